@@ -23,6 +23,8 @@ export type Sample = Schemas['Sample'];
 export type Method = Schemas['Method'];
 /** A method as the server describes it, with the parameters that are its own. */
 export type MethodInfo = Schemas['Methods']['methods'][number];
+/** What costs are in: seconds, joules a kilogram, lengths or a unit of the table's own. */
+export type CostUnit = Schemas['CostUnit'];
 export type Job = Schemas['Job'];
 export type JobState = Job['state'];
 export type Status = Schemas['Status'];

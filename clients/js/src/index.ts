@@ -8,6 +8,7 @@ export {
   UNREACHED,
   type ErrorCode,
   type BoundaryLoop,
+  type CostUnit,
   type Format,
   type Isoline,
   type Job,

@@ -2,7 +2,7 @@
  * What each query takes, with the contract's names, and the value that it resolves to.
  * Lengths are in mesh units throughout.
  */
-import type { Isoline, Method, PathPoint, ResolvedPoint, Sample, Schemas, Xyz } from './contract.js';
+import type { CostUnit, Isoline, Method, PathPoint, ResolvedPoint, Sample, Schemas, Xyz } from './contract.js';
 import type { WeightedRegion } from './costs.js';
 import type { OneOrMore, Point, Source, SourceLines } from './points.js';
 import type { Region, Wall } from './regions.js';
@@ -283,6 +283,10 @@ export interface Field<P extends Precision = 'f32'> extends Told {
   max: number | null;
   /** The source vertex where that is. */
   farthest: number | null;
+  /** What costs are in; undefined of lengths. */
+  unit?: CostUnit;
+  /** Whether distances are below 0 on the inner side of the curve. */
+  signed?: true;
 }
 
 export type DistancesAt = Schemas['DistanceReply'] & Told;
@@ -305,6 +309,8 @@ export interface Table extends Told {
   columns: ResolvedPoint[];
   /** Length: rows times columns. Mesh units. */
   distances: Float64Array;
+  /** What costs are in; undefined of lengths. */
+  unit?: CostUnit;
 }
 
 /** A row of a table that arrives row by row: its distance to each column, +Infinity: unreached. */
@@ -338,6 +344,8 @@ export interface SparseTable extends Told {
   data: Float64Array;
   indices: Uint32Array;
   indptr: Uint32Array;
+  /** What costs are in; undefined of lengths. */
+  unit?: CostUnit;
 }
 
 /** The surface round a point, laid into the plane: a place for each of `vertices`. */

@@ -1,6 +1,6 @@
 /** Replies to queries as values: JSON as it is, binary as typed arrays. */
 import { countOf, viewAs, type Shaped } from './arrays.js';
-import type { Method, ResolvedPoint } from './contract.js';
+import type { CostUnit, Method, ResolvedPoint } from './contract.js';
 import { decodeFrame, type Frame } from './frame.js';
 import { decodeNpy } from './npy.js';
 import type {
@@ -69,6 +69,11 @@ function floats<P extends Precision>(values: Float64Array, precision: P): Floats
   return (precision === 'f64' ? values : new Float32Array(values)) as Floats<P>;
 }
 
+/** What costs are in, of a reply that has costs. */
+function unitIn(header: Readonly<Record<string, unknown>>): { unit?: CostUnit } {
+  return header['unit'] === undefined ? {} : { unit: header['unit'] as CostUnit };
+}
+
 export function fieldOf<P extends Precision>(reply: Reply, precision: P): Field<P> {
   const { header, arrays } = decodeFrame(reply.body);
   const field: Field<P> = {
@@ -79,6 +84,8 @@ export function fieldOf<P extends Precision>(reply: Reply, precision: P): Field<
     reached: header['reached'] as number,
     max: header['max'] as number | null,
     farthest: header['farthest'] as number | null,
+    ...unitIn(header),
+    ...(header['signed'] === true && { signed: true as const }),
     ...told(reply, header),
   };
   if (arrays['labels']) field.labels = arrays['labels'] as Uint32Array;
@@ -93,6 +100,7 @@ export function tableOf(reply: Reply): Table {
     rows: header['rows'] as ResolvedPoint[],
     columns: header['columns'] as ResolvedPoint[],
     distances: arrays['distances'] as Float64Array,
+    ...unitIn(header),
     ...told(reply, header),
   };
 }
@@ -107,6 +115,7 @@ export function sparseTableOf(reply: Reply): SparseTable {
     data: arrays['data'] as Float64Array,
     indices: arrays['indices'] as Uint32Array,
     indptr: arrays['indptr'] as Uint32Array,
+    ...unitIn(header),
     ...told(reply, header),
   };
 }

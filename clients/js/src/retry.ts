@@ -27,7 +27,7 @@ export async function withRetries<T>(
     } catch (error) {
       signal?.throwIfAborted();
       if (tried >= rules.retries || !mayRetry(error, idempotent)) throw error;
-      const wait = waitBefore(error, tried, rules.maxWait);
+      const wait = waitBefore(error, tried, rules);
       if (wait > rules.maxWait) throw error;
       await sleep(wait, signal);
     }
@@ -39,12 +39,15 @@ function mayRetry(error: unknown, idempotent: boolean): boolean {
   return error instanceof GeodesicError && (error.status === 429 || error.status === 503);
 }
 
-/** Somewhere in the later half of each wait, so that clients turned away together part. */
-function waitBefore(error: unknown, tried: number, longest: number): number {
-  const backoff = Math.min(FIRST_WAIT * 2 ** tried, longest);
-  const jittered = backoff * (0.5 + Math.random() / 2);
+/** Milliseconds to wait after a connection broke for the `tried`th time in a row, from 0. */
+export function waitAfter(tried: number, { maxWait }: RetryRules): number {
+  // Somewhere in the later half of each wait, so that clients turned away together part.
+  return Math.min(FIRST_WAIT * 2 ** tried, maxWait) * (0.5 + Math.random() / 2);
+}
+
+function waitBefore(error: unknown, tried: number, rules: RetryRules): number {
   const asked = error instanceof GeodesicError ? (error.retryAfter ?? 0) * 1000 : 0;
-  return Math.max(jittered, asked);
+  return Math.max(waitAfter(tried, rules), asked);
 }
 
 /** Waits; rejects with the signal's reason when it is aborted. */

@@ -15,16 +15,13 @@ import type {
   TableRowsQuery,
 } from './queries.js';
 import { sparseTableOf } from './replies.js';
-import { msUntil, sleep } from './retry.js';
+import { msUntil, sleep, waitAfter } from './retry.js';
 import type { Transport } from './transport.js';
-
-/** Tries in a row that bring nothing, before an interruption is an error. */
-const MOST_TRIES = 4;
-const FIRST_PAUSE = 250; // milliseconds, doubled each time
 
 /**
  * The rows of a table of any size that the server takes as a stream, each once, in order.
- * `deadlineMs` is for the whole. Whoever stops early ends the request.
+ * `deadlineMs` is for the whole. Whoever stops early ends the request. Where a connection breaks,
+ * the rest is asked for as often in a row as the client's `retries` say, until a row comes.
  */
 export async function* tableRows(
   transport: Transport,
@@ -45,6 +42,9 @@ export async function* tableRows(
     const url = transport.url(call.path);
     try {
       const response = await transport.open(call);
+      if (!hasRows(response, from.length - row, columns)) {
+        throw new NetworkError(url, new Error('the reply is no table of that size'));
+      }
       const told = response.headers.get('Geo-Estimated');
       const estimated = told === null ? {} : { estimated: JSON.parse(told) as Estimated };
       for await (const distances of rowsOf(response.body!, columns, url)) {
@@ -56,13 +56,23 @@ export async function* tableRows(
     } catch (error) {
       options.signal?.throwIfAborted();
       if (!(error instanceof NetworkError)) throw error;
-      tried = row > before ? 0 : tried + 1;
+      if (row > before) tried = 0;
       left();
-      if (tried >= MOST_TRIES) throw error;
-      await sleep(FIRST_PAUSE * 2 ** tried, options.signal);
+      if (tried >= transport.rules.retries) throw error;
+      await sleep(waitAfter(tried++, transport.rules), options.signal);
       deadlineMs = left();
     }
   }
+}
+
+/** Whether a reply has these distances, and is not the page of somebody on the way. */
+function hasRows(response: Response, rows: number, columns: number): boolean {
+  const { status, headers } = response;
+  return (
+    status === 200 &&
+    headers.get('Geo-Dtype') === '<f8' &&
+    headers.get('Geo-Shape') === `${rows},${columns}`
+  );
 }
 
 /** A body's rows of so many distances. Throws NetworkError where it breaks off. */

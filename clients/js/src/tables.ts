@@ -5,27 +5,22 @@
 import type { Status } from './contract.js';
 import { GeodesicError } from './errors.js';
 import { planOf } from './plans.js';
-import { listOf, pointInJson, type Point, type SourceLines } from './points.js';
+import { listOf } from './points.js';
 import type { QueryOptions, Table, TableQuery, Timing } from './queries.js';
 import { jsonOf } from './replies.js';
 import { msUntil } from './retry.js';
+import { cuts, fits, sizesOf, totalOf, type Row, type Run, type Size } from './sizes.js';
 import type { Transport } from './transport.js';
 
 /** What servers take that do not say otherwise: up to here none is asked for its limits. */
 const LIMITS = {
   max_sources: 1000,
   max_points: 100_000,
+  max_curve_points: 1000,
   max_table_entries: 1_000_000,
   max_json_bytes: 8 << 20,
 };
 type Limits = typeof LIMITS;
-type Row = Point | SourceLines;
-
-/** Consecutive points, `end` excluded. */
-interface Run {
-  begin: number;
-  end: number;
-}
 
 interface Block {
   rows: Run;
@@ -45,9 +40,9 @@ export async function table(
   };
   const rows = listOf(query.from);
   const columns: readonly Row[] = query.to === undefined ? rows : listOf(query.to);
-  if (!rows.length || !columns.length || fits(rows, columns, LIMITS)) return ask(query, options);
+  if (!rows.length || !columns.length || isOne(rows, columns, LIMITS)) return ask(query, options);
   const limits = await toldLimits(transport, options);
-  if (fits(rows, columns, limits)) return ask(query, options);
+  if (isOne(rows, columns, limits)) return ask(query, options);
 
   const end = options.deadlineMs === undefined ? undefined : Date.now() + options.deadlineMs;
   const distances = new Float64Array(rows.length * columns.length);
@@ -109,17 +104,27 @@ function bodyLimit(limits: Limits): number {
   return (limits.max_json_bytes * 3) / 4;
 }
 
-/** Bytes that each point takes in a request's body. */
-function sizesOf(points: readonly Row[]): number[] {
-  const encoder = new TextEncoder();
-  return points.map((point) => encoder.encode(JSON.stringify(pointInJson(point))).length + 1);
+/** Of the rows of one request. */
+function mostRows(limits: Limits, bytes: number): Size {
+  const most = limits.max_sources;
+  return { number: most, bytes, lines: most, curvePoints: limits.max_curve_points };
 }
 
-function fits(rows: readonly Row[], columns: readonly Row[], limits: Limits): boolean {
-  if (rows.length > limits.max_sources || columns.length > limits.max_points) return false;
-  if (rows.length * columns.length > limits.max_table_entries) return false;
-  const sizes = [...sizesOf(rows), ...sizesOf(columns)];
-  return sizes.reduce((sum, size) => sum + size, 0) <= bodyLimit(limits);
+/** Of the columns of one request. A column that is a line takes a field, as a row does. */
+function mostColumns(limits: Limits, bytes: number): Size {
+  const number = Math.min(limits.max_points, limits.max_table_entries);
+  return { number, bytes, lines: limits.max_sources, curvePoints: limits.max_curve_points };
+}
+
+/** Whether the whole table may be one request. */
+function isOne(rows: readonly Row[], columns: readonly Row[], limits: Limits): boolean {
+  const [ofRows, ofColumns] = [totalOf(rows), totalOf(columns)];
+  return (
+    fits(ofRows, mostRows(limits, Infinity)) &&
+    fits(ofColumns, mostColumns(limits, Infinity)) &&
+    ofRows.number * ofColumns.number <= limits.max_table_entries &&
+    ofRows.bytes + ofColumns.bytes <= bodyLimit(limits)
+  );
 }
 
 /**
@@ -132,31 +137,13 @@ function* blocks(
   limits: Limits,
 ): Generator<Block> {
   const room = Math.floor(bodyLimit(limits) / 2);
-  const widest = Math.min(limits.max_points, limits.max_table_entries);
-  const widths = [...cuts(sizesOf(columns), widest, room)];
+  const widths = [...cuts(sizesOf(columns), mostColumns(limits, room))];
   const width = Math.max(...widths.map(({ begin, end }) => end - begin));
-  const most = Math.min(
-    limits.max_sources,
-    Math.max(1, Math.floor(limits.max_table_entries / width)),
-  );
-  for (const some of cuts(sizesOf(rows), most, room)) {
+  const most = mostRows(limits, room);
+  const number = Math.min(most.number, Math.max(1, Math.floor(limits.max_table_entries / width)));
+  for (const some of cuts(sizesOf(rows), { ...most, number })) {
     for (const others of widths) yield { rows: some, columns: others };
   }
-}
-
-/** Consecutive runs of at most so many points and bytes, though at least of one point. */
-function* cuts(sizes: readonly number[], most: number, room: number): Generator<Run> {
-  let begin = 0;
-  let taken = 0;
-  for (const [index, size] of sizes.entries()) {
-    if (index > begin && (index - begin === most || taken + size > room)) {
-      yield { begin, end: index };
-      begin = index;
-      taken = 0;
-    }
-    taken += size;
-  }
-  yield { begin, end: sizes.length };
 }
 
 /** An error of a block, its `from[2]` as it is called in the whole. */

@@ -56,7 +56,7 @@ export function setField(geometry: BufferGeometry, values: Values, name = 'field
   return attribute;
 }
 
-/** How numbers become colours: `max` is the map's upper end, else the greatest finite number. */
+/** How numbers become colours: `max` is the map's upper end, else the greatest finite number, sign aside. */
 export interface Colouring {
   map?: ColourMap;
   max?: number;
@@ -66,19 +66,23 @@ export interface Colouring {
 
 /**
  * Colours a geometry by one number a vertex, as the attribute `color` of any material with
- * `vertexColors: true`. Numbers are distances: the map begins at 0. Throws RangeError if the
- * geometry has another number of vertices.
+ * `vertexColors: true`. Numbers are distances: the map begins at 0, or has 0 in its middle where
+ * some are below 0, as signed distances are. Throws RangeError if the geometry has another number
+ * of vertices.
  */
 export function setColours(geometry: BufferGeometry, values: Values, how: Colouring = {}): BufferAttribute {
   const count = geometry.getAttribute('position')?.count;
   if (count !== values.length) {
     throw new RangeError(`${values.length} values for a geometry of ${count ?? 0} vertices`);
   }
-  let { max } = how;
-  if (max === undefined) {
-    max = 0;
-    for (const value of values) if (value < Infinity && value > max) max = value;
+  let least = 0;
+  let greatest = 0;
+  for (const value of values) {
+    if (value < least) least = value;
+    else if (value < Infinity && value > greatest) greatest = value;
   }
+  const max = how.max ?? Math.max(greatest, -least);
+  const begin = least < 0 ? -max : 0;
   // three.js computes in linear light: each of 256 steps is turned into it once.
   const steps = Array.from({ length: 256 }, (_, step) => {
     const [r, g, b] = colourAt(how.map ?? 'viridis', step / 255);
@@ -89,7 +93,8 @@ export function setColours(geometry: BufferGeometry, values: Values, how: Colour
   const again = before instanceof BufferAttribute && before.array instanceof Float32Array && before.itemSize === 3;
   const attribute = again && before.count === count ? before : new BufferAttribute(new Float32Array(3 * count), 3);
   values.forEach((value: number, vertex: number) => {
-    const step = max > 0 ? Math.round((255 * Math.min(value, max)) / max) : 0;
+    const within = Math.min(Math.max(value, begin), max);
+    const step = max > 0 ? Math.round((255 * (within - begin)) / (max - begin)) : 0;
     (value < Infinity ? steps[step]! : nowhere).toArray(attribute.array, 3 * vertex);
   });
   attribute.needsUpdate = true;

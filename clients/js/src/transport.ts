@@ -45,6 +45,10 @@ export class Transport {
     this.#options = options;
   }
 
+  get rules(): RetryRules {
+    return this.#options;
+  }
+
   url(path: string): string {
     return this.#base + path;
   }
@@ -96,13 +100,19 @@ export class Transport {
 
   /** One try by `fetch`. Rejects with NetworkError or the abort's reason. */
   send(url: string, call: Call, headers: Record<string, string>): Promise<Response> {
-    // Looked up at each call, so that a page may replace it (a service worker, a test).
-    const send = this.#options.fetch ?? globalThis.fetch;
     const init: RequestInit = { method: call.method, headers };
     if (call.body !== undefined) init.body = call.body as BodyInit;
     if (call.signal) init.signal = call.signal;
     if (call.keepalive) init.keepalive = true;
-    return reading(call, url, () => send(url, init));
+    return reading(call, url, () => this.fetch(url, init));
+  }
+
+  /** By the client's own `fetch`, or else the platform's. */
+  fetch(url: string, init: RequestInit): Promise<Response> {
+    // Looked up at each call, so that a page may replace it (a service worker, a test). It is called
+    // as a plain function, for a browser's refuses to be a method of something else.
+    const send = this.#options.fetch ?? globalThis.fetch;
+    return send(url, init);
   }
 }
 

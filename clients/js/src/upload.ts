@@ -120,7 +120,7 @@ async function uploadBy(
     idempotent: true, // the same bytes are the same mesh, by POST too
     signal,
   };
-  return jsonOf<MeshMetadata>(await send(call, onProgress && senderWithProgress(onProgress)));
+  return jsonOf<MeshMetadata>(await send(call, onProgress && senderWithProgress(transport, onProgress)));
 }
 
 /**

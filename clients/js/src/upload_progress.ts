@@ -1,16 +1,15 @@
 /**
  * Sending a body with its progress told: by XMLHttpRequest in browsers, whose `fetch` does
- * not tell; elsewhere by `fetch` with a stream that counts what is drawn from it.
+ * not tell; elsewhere by the client's `fetch` with a stream that counts what is drawn from it.
  */
 import { NetworkError } from './errors.js';
-import type { Call, Sender } from './transport.js';
-import { reading } from './transport.js';
+import { reading, type Call, type Sender, type Transport } from './transport.js';
 
 type Progress = (sentBytes: number, totalBytes: number) => void;
 
-export function senderWithProgress(onProgress: Progress): Sender {
+export function senderWithProgress(transport: Transport, onProgress: Progress): Sender {
   return typeof XMLHttpRequest === 'undefined'
-    ? (url, call, headers) => sendCounted(url, call, headers, onProgress)
+    ? (url, call, headers) => sendCounted(transport, url, call, headers, onProgress)
     : (url, call, headers) => sendByXhr(url, call, headers, onProgress);
 }
 
@@ -59,6 +58,7 @@ function sizeOf(call: Call): number {
 }
 
 async function sendCounted(
+  transport: Transport,
   url: string,
   call: Call,
   headers: Record<string, string>,
@@ -73,7 +73,7 @@ async function sendCounted(
     ...(call.signal && { signal: call.signal }),
   };
   return reading(call, url, async () => {
-    const response = await fetch(url, init as RequestInit);
+    const response = await transport.fetch(url, init as RequestInit);
     return {
       status: response.status,
       headers: response.headers,

@@ -58,6 +58,10 @@ test('colours: the map from 0 to the greatest, grey where unreached', () => {
   const { version } = first;
   assert.equal(setColours(geometry, new Float32Array([0, 4, 8])), first, 'the same buffer again');
   assert.ok(first.version > version);
+  // Signed distances have 0 in the middle of the map.
+  const signed = setColours(geometry, new Float32Array([-4, 0, 2]), { map: 'magma' });
+  const whole = setColours(new BufferGeometry().copy(geometry), new Float32Array([0, 128, 191]), { map: 'magma', max: 255 });
+  assert.deepEqual([...signed.array], [...whole.array]);
   assert.throws(() => setColours(geometry, new Float32Array(2)), /2 values for a geometry of 3/);
 });
 

@@ -35,11 +35,15 @@ test('costs go by GET where a URL can say them', async () => {
 
 test('fields, tables and isolines are of costs', async () => {
   const up = { slope: '-1:2,1:4', up: '1,0,0' };
-  near((await client.distance(plane, { from: 0, ...up })).values[99], 4 * 99);
+  const field = await client.distance(plane, { from: 0, ...up });
+  near(field.values[99], 4 * 99);
+  assert.equal(field.unit, 'cost');
+  assert.equal((await client.distance(plane, { from: 0 })).unit, undefined);
   near((await client.distancesAt(plane, { from: 99, at: 0, ...up })).distances[0], 2 * 99);
   const table = await client.table(plane, { from: [0, 99], ...up });
   near(table.distances[1], 4 * 99);
   near(table.distances[2], 2 * 99);
+  assert.equal(table.unit, 'cost');
   assert.equal((await client.isolines(plane, { from: 0, step: 100, ...up })).unit, 'cost');
 });
 

@@ -63,6 +63,23 @@ test('rows and columns of tables are lines, too', async () => {
   }
 });
 
+test('more curves than one request may have are asked for in blocks', async () => {
+  const curve = (place: number): SourceLines => ({ curve: { points: [place, place + 1] } });
+  const places = Array.from({ length: 600 }, (_, place) => 16 * place);
+  const ask = { to: [4444, 5], method: 'dijkstra' } as const;
+  seen.length = 0;
+  const whole = await client.table(plane, { ...ask, from: places.map(curve) });
+  assert.equal(seen.filter((line) => line.includes('/table')).length, 2);
+  const part = await client.table(plane, { ...ask, from: places.slice(480, 520).map(curve) });
+  assert.deepEqual(whole.distances.slice(960, 1040), part.distances);
+  assert.equal(whole.rows.length, 600);
+  seen.length = 0;
+  const texts = places.map((place) => `curve:v:${place};v:${place + 1}`);
+  const turned = await client.table(plane, { from: [4444, 5], to: texts, method: 'dijkstra' });
+  assert.equal(seen.filter((line) => line.includes('/table')).length, 2);
+  assert.equal(turned.columns.length, 600);
+});
+
 test('sites of cells are lines, too', async () => {
   // Across the plane at y = 10 and y = 40.
   const from: SourceLines[] = [

@@ -167,6 +167,33 @@ test('rows go on where the connection breaks', async () => {
   }
 });
 
+test('rows are asked for again as often as the client says, and none of another reply is taken', async () => {
+  const from = upTo(3);
+  const asking = async (retries: number, stranger: (reply: Response) => Response | Promise<Response>) => {
+    let asked = 0;
+    const some = new GeodesicClient(server.url, {
+      retries,
+      fetch: async (input, init) => {
+        ++asked;
+        return stranger(await fetch(input, init));
+      },
+    });
+    await assert.rejects(async () => {
+      for await (const row of some.tableRows(plane, { from })) assert.fail(`row ${row.row}`);
+    }, NetworkError);
+    return asked;
+  };
+  const page = '<html>'.repeat(9); // of two rows and more
+  assert.equal(await asking(0, () => new Response(page)), 1);
+  assert.equal(await asking(1, () => new Response(page, { status: 203 })), 2);
+  const narrow = async (reply: Response) => {
+    const headers = new Headers(reply.headers);
+    headers.set('Geo-Shape', '9,1');
+    return new Response(await reply.arrayBuffer(), { headers });
+  };
+  assert.equal(await asking(0, narrow), 1);
+});
+
 test('errors of rows are those of the table', async () => {
   await assert.rejects(
     async () => {

@@ -92,6 +92,13 @@ test('progress in Node adds up to the whole', async () => {
   assert.ok((await uploadReported(client, new Blob([terrain]))) > 10);
 });
 
+test("progress in Node goes by the client's own fetch", async () => {
+  await anew();
+  seen.length = 0;
+  await uploadReported(watched, terrain);
+  assert.ok(seen.includes(`PUT ${path}`) || seen.includes('POST /v1/meshes'), String(seen));
+});
+
 test('progress in a page, by XMLHttpRequest', async () => {
   const page = new JSDOM('', { url: `${server.url}/` });
   await having('XMLHttpRequest', page.window.XMLHttpRequest, async () => {

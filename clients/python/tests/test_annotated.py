@@ -101,6 +101,10 @@ def test_the_commands(server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_
     assert (told[:, 2] == -1).sum() == plane.vertices - len(found)
     for wrong in (["--into", "a.obj"], ["--into", "a.gltf"], ["--into", "a.glb", "--at", "3"]):
         geodesic(server, "distance", plane.id, "--from", "0", *wrong, status=2)
+    for command in ("distance", "logmap"):
+        alone = (command, plane.id, "--from", "0", "--attribute", "_HEAT", "-o", tmp_path / "a.csv")
+        assert "--attribute is for --into" in geodesic(server, *alone, status=2).stderr
+    assert not (tmp_path / "a.csv").exists()
 
 
 def test_signed_distances_are_an_attribute_of_another_name(plane: geodesicd.Mesh) -> None:

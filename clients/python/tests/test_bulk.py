@@ -25,8 +25,9 @@ from distributed import Client as DaskClient
 from distributed import LocalCluster
 
 import geodesicd
-from geodesicd import bulk
+from geodesicd import Costs, bulk
 from geodesicd.bench.mixes import hills
+from geodesicd.bulk import questions
 from geodesicd.bulk.output import output_at
 
 MESHES = int(os.environ.get("GEODESICD_BULK_MESHES") or 60)  # `make test-bulk` has 200
@@ -294,6 +295,50 @@ def test_a_server_that_runs_is_asked(
     assert bulk.map_meshes("samples", files, new, client=dask, **asked).computed == 6
 
 
+def test_costs_regions_and_walls_are_words_of_json() -> None:
+    costs = Costs([(3, np.array([4, 5]))], slope=[(-1, 2), (1, 4)], up=np.array([0, 0, 1]))
+    asked: dict[str, Any] = {
+        "source": 0, "target": 9, "costs": costs, "within": np.array([True, False, True]),
+        "forbid": ["part:2", {"sphere": {"center": np.zeros(3), "radius": np.float64(2)}}],
+        "walls": np.array([3, 7]),
+    }  # fmt: skip
+    question = questions.checked("path", asked)
+    assert json.loads(json.dumps(question)) == question
+    assert question == {
+        "question": "path",
+        "source": {"vertex": 0},
+        "target": {"vertex": 9},
+        "costs": {
+            "weights": [{"weight": 3.0, "region": "faces:4-5"}],
+            "slope": "-1.0:2.0,1.0:4.0",
+            "up": [0.0, 0.0, 1.0],
+        },
+        "within": ["faces:0,2"],
+        "forbid": ["part:2", "sphere:0.0,0.0,0.0,2.0"],
+        "walls": ["v:3;v:7"],
+    }
+
+
+def test_cheap_ways_past_what_is_forbidden(
+    dask: Any, server: geodesicd.LocalServer, client: geodesicd.Client, tmp_path: Path,
+    chance: random.Random,
+) -> None:  # fmt: skip
+    file = tmp_path / "mesh.ply"
+    file.write_bytes(geodesicd.ply_bytes(*hills(6, chance.getrandbits(30))))
+    out = tmp_path / "out.zarr"
+    costs = Costs(slope="tobler", up=(0, 0, 1))
+    asked: dict[str, Any] = {"source": 0, "target": 9, "costs": costs, "forbid": np.array([49])}
+    run: dict[str, Any] = {"client": dask, "url": server.url}
+    report = bulk.map_meshes("path", [file], out, **run, **asked)
+    assert (report.computed, report.failures) == (1, {})
+    alone = client.upload(file).path(**asked)
+    np.testing.assert_array_equal(answered(out, str(file))["xyz"][:], alone.points)
+    assert bulk.map_meshes("path", [file], out, **run, **asked).there == 1
+    asked["costs"] = Costs(slope="energy", up=(0, 0, 1))
+    with pytest.raises(ValueError, match="another question"):
+        bulk.map_meshes("path", [file], out, **run, **asked)
+
+
 def test_what_is_wrong_is_said_before_anything_is_done(
     logged: Logged, tmp_path: Path, chance: random.Random
 ) -> None:
@@ -302,6 +347,8 @@ def test_what_is_wrong_is_said_before_anything_is_done(
         (ValueError, "picture", {}, "o.zarr", "distance, regions"),
         (TypeError, "distance", {}, "o.zarr", "distance: missing a required argument: 'sources'"),
         (TypeError, "table", {"sources": 0, "from": 0}, "o.zarr", "unexpected keyword"),
+        (TypeError, "distance", {"sources": 0, "within": 3.5}, "o.zarr", "a float is no region"),
+        (TypeError, "samples", {"count": {5}}, "o.zarr", "set is not JSON"),
         (ValueError, "distance", {"sources": 0}, "o.npy", "should end with .zarr or .parquet"),
     ]
     for error, question, asked, out, told in wrong:

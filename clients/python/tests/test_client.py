@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -124,6 +125,38 @@ def test_one_bad_pair_is_named(plane: geodesicd.Mesh) -> None:
     assert pickle.loads(pickle.dumps(caught.value)).limit == 9999
 
 
+def test_paths_take_what_a_path_takes(plane: geodesicd.Mesh) -> None:
+    pairs = [(0, 5050), (3, 99)]
+    steiner: dict[str, Any] = {"method": "steiner", "points_per_edge": 1, "tolerance": 1e-6}
+    upper: dict[str, Any] = {"method": "auto", "bound": "upper", "deadline": 60}
+    for options in (steiner, {**steiner, "points_per_edge": 9}, upper):
+        lengths = [path.length for path in plane.paths(pairs, refine="none", **options)]
+        alone = [plane.path(*pair, refine="none", **options).length for pair in pairs]
+        assert lengths == pytest.approx(alone, rel=1e-12)
+    with pytest.raises(TypeError, match=r"paths\(\) got an unexpected keyword argument 'bounds'"):
+        plane.paths(pairs, bounds="upper")  # type: ignore[call-arg]
+
+
+def test_a_deadline_of_paths_is_for_all_of_them(
+    plane: geodesicd.Mesh, terrain: geodesicd.Mesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pairs = [(source, 30000 - source) for source in range(200)]
+    with pytest.raises(geodesicd.DeadlineExceeded) as caught:
+        terrain.paths(pairs, method="chen_han", deadline=0.05)
+    assert caught.value.parameter is None
+    monkeypatch.setattr(geodesicd.batches, "_LARGEST", 200)
+    asked: list[int] = []
+    hooks = plane.client._http.event_hooks["request"]
+    hooks.append(lambda request: asked.append(int(request.url.params["deadline_ms"])))
+    try:
+        paths = plane.paths([(0, target) for target in range(9)], deadline=60)
+    finally:
+        hooks.clear()
+    assert [path.length for path in paths] == list(range(9))
+    assert len(asked) > 1
+    assert 60_000 >= asked[0] >= asked[-1] > 0
+
+
 def test_a_large_batch_is_cut(plane: geodesicd.Mesh, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(geodesicd.batches, "_LARGEST", 200)
     told: list[float] = []
@@ -173,6 +206,10 @@ def test_pictures_and_files(plane: geodesicd.Mesh, samples: Path) -> None:
     assert plane.geometry_glb().startswith(b"glTF")
     with pytest.raises(ValueError, match="one source"):
         plane.picture([0, 1], 2)
+    of_path: list[dict[str, Any]] = [{"via": [5]}, {"via": np.array([5])}, {"refine": "none"}]
+    for options in of_path:
+        with pytest.raises(ValueError, match="give a target"):
+            plane.picture(0, **options)
 
 
 def test_every_way_in_is_the_same_mesh(client: geodesicd.Client) -> None:

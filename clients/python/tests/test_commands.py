@@ -257,6 +257,18 @@ def test_a_picture_that_cannot_be_drawn_says_why(
     assert imread(tmp_path / "field.png").shape == (1125, 1500, 4)
 
 
+def test_points_on_the_way_are_for_a_path(
+    server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
+) -> None:
+    asked = ("plot", plane.id, "--from", "0", "--via", "5", "-o", tmp_path / "field.png")
+    assert "--via is for --to" in geodesic(server, *asked, status=2).stderr
+    assert not list(tmp_path.iterdir())
+    of_path: list[dict[str, Any]] = [{"via": [5]}, {"refine": "none"}]
+    for options in of_path:
+        with pytest.raises(ValueError, match="give a target"):
+            plot(plane, 0, **options)
+
+
 def test_a_signed_field_is_drawn(
     server: geodesicd.LocalServer, plane: geodesicd.Mesh, tmp_path: Path
 ) -> None:

@@ -6,6 +6,7 @@ import asyncio
 import json
 import random
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 import geodesicd
-from geodesicd import Client, Mesh
+from geodesicd import Client, Mesh, Retries, large_tables
 
 
 class Cut(httpx.BaseTransport):
@@ -140,6 +141,112 @@ def test_a_call_goes_on_with_what_the_last_one_wrote(
             transport.rows.clear()
             client.mesh(plane.id).table_file(file, points, **other)
             assert transport.rows == ["0-"]
+
+
+ROWS = np.array([[0.0, 1.5, 2.5], [1.5, 0.0, 3.5], [2.5, 3.5, 0.0]])
+TOLD = {"Geo-Dtype": "<f8", "Geo-Shape": "3,3"}
+
+
+class Replies:
+    """Replies without a server: first those that are given, None for a connection that breaks, and
+    then the rows that are asked for."""
+
+    def __init__(self, *first: httpx.Response | None) -> None:
+        self.first = list(first)
+        self.rows: list[str] = []
+
+    def __call__(self, request: httpx.Request) -> httpx.Response:
+        """As httpx.MockTransport calls it."""
+        self.rows.append(request.url.params["rows"])
+        if not self.first:
+            rows = ROWS[int(self.rows[-1].removesuffix("-")) :]
+            headers = {**TOLD, "Geo-Shape": f"{len(rows)},3"}
+            return httpx.Response(200, headers=headers, content=rows.tobytes())
+        reply = self.first.pop(0)
+        if reply is None:
+            raise httpx.RemoteProtocolError("cut", request=request)
+        return reply
+
+
+NOWHERE = "http://127.0.0.1:1"
+
+
+def filled(replies: Replies, file: Path, attempts: int = 5) -> Any:
+    """Fills a file by those replies."""
+    with Client(NOWHERE, retries=Retries(attempts, first_pause=0)) as client:
+        client._http.close()
+        transport = httpx.MockTransport(replies)
+        client._http = httpx.Client(base_url=client.url, transport=transport)
+        return client.run(large_tables.table_file("0" * 64, file, [0, 1, 2]))
+
+
+def filled_asynchronously(replies: Replies, file: Path, attempts: int = 5) -> Any:
+    """The same by the asynchronous client."""
+
+    async def ask() -> Any:
+        retries = Retries(attempts, first_pause=0)
+        async with geodesicd.AsyncClient(NOWHERE, retries=retries) as client:
+            await client._http.aclose()
+            transport = httpx.MockTransport(replies)
+            client._http = httpx.AsyncClient(base_url=client.url, transport=transport)
+            return await client.run(large_tables.table_file("0" * 64, file, [0, 1, 2]))
+
+    return asyncio.run(ask())
+
+
+by_either_client = pytest.mark.parametrize("fill", [filled, filled_asynchronously])
+
+
+@by_either_client
+@pytest.mark.parametrize(
+    ("status", "headers"),
+    [
+        (200, {"Content-Type": "text/html"}),
+        (200, {"Geo-Dtype": "<f8"}),
+        (200, {**TOLD, "Geo-Shape": "4,3"}),
+        (200, {**TOLD, "Geo-Shape": "3,4"}),
+        (200, {**TOLD, "Geo-Dtype": "<f4"}),
+        (206, TOLD),
+    ],
+)
+def test_what_is_no_rows_is_not_taken_for_rows(
+    tmp_path: Path, fill: Callable[..., Any], status: int, headers: dict[str, str]
+) -> None:
+    def foreign() -> httpx.Response:
+        return httpx.Response(status, headers=headers, content=np.full((3, 3), 7.0).tobytes())
+
+    begun = httpx.Response(200, headers=TOLD, content=ROWS[:1].tobytes())
+    replies = Replies(foreign(), begun, foreign())
+    np.testing.assert_array_equal(fill(replies, tmp_path / "table.npy"), ROWS)
+    assert replies.rows == ["0-", "0-", "1-", "1-"]
+    # One that comes each time is told, and nothing of it is written.
+    with pytest.raises(geodesicd.ConnectionFailed, match=f"the reply has status {status}") as told:
+        fill(Replies(*[foreign() for _ in range(5)]), tmp_path / "other.npy")
+    assert "no reply of geodesicd's own" in str(told.value)
+    assert [one.name for one in tmp_path.iterdir()] == ["table.npy"]
+
+
+@by_either_client
+def test_a_page_elsewhere_is_not_taken_for_rows(tmp_path: Path, fill: Callable[..., Any]) -> None:
+    elsewhere = {"Location": "https://elsewhere.example/", **TOLD}
+    replies = Replies(httpx.Response(302, headers=elsewhere, content=ROWS.tobytes()))
+    with pytest.raises(geodesicd.GeodesicError, match=r"elsewhere\.example") as caught:
+        fill(replies, tmp_path / "table.npy")
+    assert caught.value.status == 302
+    assert replies.rows == ["0-"]
+
+
+@by_either_client
+@pytest.mark.parametrize("attempts", [1, 3])
+@pytest.mark.parametrize("breaks", [True, False])
+def test_the_client_says_how_often_rows_are_asked_for(
+    tmp_path: Path, fill: Callable[..., Any], attempts: int, breaks: bool
+) -> None:
+    replies = Replies(*[None if breaks else httpx.Response(503) for _ in range(9)])
+    kind = geodesicd.ConnectionFailed if breaks else geodesicd.Overloaded
+    with pytest.raises(kind):
+        fill(replies, tmp_path / "table.npy", attempts)
+    assert replies.rows == ["0-"] * attempts
 
 
 def test_errors_of_a_file_are_those_of_the_table(plane: Mesh, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geodesicd
-from geodesicd.encoding import encode
+from geodesicd.encoding import as_points, encode
 from geodesicd.points import point_of, points_of
 
 
@@ -23,6 +23,18 @@ def test_what_points_are() -> None:
         assert [p.text() for p in points_of(integer)] == ["v:4"]
     assert [p.text() for p in points_of([np.int64(4), 5])] == ["v:4", "v:5"]
     assert point_of(np.array([1.5, 2, 3])).text() == "p:1.5,2.0,3.0"
+
+
+def test_directions_of_numpy_are_numbers_in_a_url() -> None:
+    for name in ("direction", "normal", "up"):
+        for value, text in (
+            (np.array([1.0, 0.25, 0.0]), "1.0,0.25,0.0"),
+            ((np.float64(1.5), np.int64(2), 3), "1.5,2,3"),
+            (np.array([0, 0, 1]), "0,0,1"),
+        ):
+            asked = as_points({"from": 0, name: value, "length": np.float64(9)})
+            request = encode("abc", "trace", asked)
+            assert request.target == f"/v1/meshes/abc/trace?from=v:0&{name}={text}&length=9.0"
 
 
 def test_three_numbers_with_a_fraction_are_a_place() -> None:

@@ -31,6 +31,40 @@ test('a kept path of the method steiner has its points per edge in the link', as
   await page.context().close();
 });
 
+test('of two sources in one face, that is kept which the path begins at', async () => {
+  const target = '1234,0.25,0.25';
+  const sources = ['9700,0.8,0.1', '9700,0.1,0.8'];
+  const asked = sources.map((from) => service.json(`/v1/meshes/${plane}/path?from=f:${from}&to=f:${target}`));
+  const [one, other] = (await Promise.all(asked)).map(({ length }) => length);
+  assert.ok(Math.abs(one - other) > 0.1, 'they are not equally far');
+  const nearest = sources[one < other ? 0 : 1];
+  for (const order of [sources, [...sources].reverse()]) {
+    const page = await openMesh(browser, service, plane, `&from=${order[0]}&from=${order[1]}&to=${target}`);
+    const length = await pathLength(page);
+    await page.getByRole('button', { name: 'Keep' }).click();
+    const [, kept] = await until(() => /&kept=([^&]+)/.exec(decodeURIComponent(page.url())), 'the measure in the link');
+    assert.equal(kept.split(';')[2], nearest);
+    await reload(page);
+    await ready(page);
+    assert.equal(await textAt(page, '.measures .number', (text) => /\d/.test(text)), length);
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  }
+});
+
+test('a kept path is shown again without the line that is a source now', async () => {
+  const more = '&curve=1200,0.3,0.3;1260,0.3,0.3&to=5000,0.25,0.25&kept=auto;1;9700,0.3,0.3;5000,0.25,0.25';
+  const page = await openMesh(browser, service, plane, more);
+  const fromLine = await pathLength(page);
+  const length = await textAt(page, '.measures .number', (text) => /\d/.test(text));
+  assert.ok(Number(fromLine) < Number(length), 'the line is nearer');
+  await page.locator('.measures .measure').click();
+  assert.equal(await pathLength(page, fromLine), length);
+  await until(() => !page.url().includes('curve='), 'the link without the line');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test('with a question open, nothing behind it is undone', async () => {
   const page = await openMesh(browser, service, plane);
   const points = page.locator('.points .point');

@@ -1,5 +1,6 @@
 // Lines that are drawn by clicks become walls and sources, where the server has these; undone, and in links.
 import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
 import { openMesh, pageWithout, pathLength, picture, ready, reload, settled, textAt, until } from './browser.mjs';
 import { shareOf } from './pixels.mjs';
@@ -71,6 +72,26 @@ test('distances begin on a drawn line, closed or not, and paths lead there', asy
   assert.ok(shareOf(await picture(page, '101-curve'), CURVE) > 0.0005);
   for (const _ of ['the target', 'the curve']) await page.keyboard.press('Control+z');
   assert.equal(await page.locator('.legend').isVisible(), false);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('the file of a path from a line has the path that is seen', async () => {
+  const page = await openMesh(browser, service, plane, '&curve=1200,0.3,0.3;1260,0.3,0.3&to=9700,0.3,0.3');
+  await pathLength(page);
+  await page.getByText('Export', { exact: true }).click();
+  const saved = async (name) => {
+    const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name }).click()]);
+    return readFile(await download.path());
+  };
+  const path = JSON.parse(await saved('Path · JSON'));
+  assert.equal(path.from.kind, 'curve');
+  assert.notDeepEqual(path.points[0].xyz, path.from.xyz, 'it begins at another place than the line');
+  const glb = await saved('Path · GLB');
+  const document = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)));
+  assert.equal(document.accessors[document.meshes[0].primitives[0].attributes.POSITION].count, path.points.length);
+  const asked = page.asked.map(decodeURIComponent).find((url) => url.includes('/path?') && url.includes('format=glb'));
+  assert.match(asked, /[?&]from=curve:f:1200,0\.3,0\.3;f:1260,0\.3,0\.3&/);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });

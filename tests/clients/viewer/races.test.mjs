@@ -201,6 +201,24 @@ test('a path of other points is neither kept nor exported', async () => {
   await page.context().close();
 });
 
+for (const [tool, name, before] of [['Add', 'from', 1], ['Via', 'via', 0], ['Loop', 'loop', 0]]) {
+  test(`what is placed while the server looks for a typed place stays: ${tool}`, async () => {
+    const page = await openMesh(browser, service, plane, '&from=9700,0.3,0.3&to=19000,0.25,0.25');
+    const inLink = () =>
+      new URLSearchParams(new URL(page.url()).hash.slice(1)).getAll(name).flatMap((text) => text.split(';')).filter((text) => text !== 'open').length;
+    await page.getByLabel(tool, { exact: true }).check();
+    const held = await hold(page, '**/nearest**');
+    await place(page, 'p:5,5,0');
+    await until(() => held.waiting.length > 0, 'the question');
+    await place(page, 'v:12');
+    await until(() => inLink() === before + 1, 'the vertex');
+    held.release();
+    await until(() => inLink() === before + 2, 'the place beside it', () => `; in the link are ${inLink()}`);
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  });
+}
+
 test('a kept measure that fails keeps none after it back', async () => {
   const page = await newPage(browser);
   const kept = (from, to) => `&kept=auto;1;${from},0.3,0.3;${to},0.3,0.3`;

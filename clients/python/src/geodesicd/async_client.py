@@ -307,10 +307,10 @@ class AsyncClient:
         try:
             response = await self._opened(step.request)
             try:
-                if response.status_code >= 400:
+                if response.status_code >= 300:
                     body = await response.aread()
                     raise error_of(response.status_code, response.headers, body)
-                step.on_headers(response.headers)
+                step.on_head(response.status_code, response.headers)
                 async for chunk in response.aiter_bytes():
                     step.on_bytes(chunk)
             finally:

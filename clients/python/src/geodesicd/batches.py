@@ -5,20 +5,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, Unpack
 
-from . import wire
-from .costs import Costs
-from .encoding import as_points, body_json
-from .errors import error_of_problem, refusal
+from . import pieces, wire
+from .encoding import as_points, body_json, milliseconds
+from .errors import DeadlineExceeded, error_of_problem, refusal
 from .flows import Flow, Progress, Request, ask, part_of
 from .masks import check_masks
-from .options import asked_by
+from .options import CostOptions, asked_by, spelled_out
 from .points import PointLike
 from .queries import Refine
 from .remarks import remark
 from .results import BatchReply, Path
-from .surface_regions import RegionsLike, WallsLike
 from .wire import Reply
 
 # Well below the server's own limit on a body (8 MiB unless it is set otherwise).
@@ -46,19 +44,26 @@ def batch(
 
 
 def _replies(
-    mesh: str, queries: Iterable[Mapping[str, Any]], progress: Progress | None
+    mesh: str,
+    queries: Iterable[Mapping[str, Any]],
+    progress: Progress | None,
+    deadline: float | None = None,
 ) -> Flow[list[BatchReply]]:
+    """The replies to all of them. When the time is over, DeadlineExceeded is raised, or is the last
+    reply, in place of those to the rest."""
     lines = [
         json.dumps(_line(mesh, query), allow_nan=False, separators=(",", ":")).encode() + b"\n"
         for query in queries
     ]
     replies: list[BatchReply] = []
+    end = pieces.end_of(deadline)
     for body in _bodies(lines):
         # Several requests only where one would be larger than the server takes.
         base, part = len(replies) / max(1, len(lines)), body.count(b"\n") / max(1, len(lines))
+        left = milliseconds(pieces.left(end))
         request = Request(
             "POST",
-            f"/v1/meshes/{mesh}/batch",
+            f"/v1/meshes/{mesh}/batch" + ("" if left is None else f"?deadline_ms={left}"),
             {"Content-Type": "application/x-ndjson", "Accept": "application/x-ndjson"},
             body,
         )
@@ -66,37 +71,36 @@ def _replies(
     return replies
 
 
+@spelled_out
 def paths(
     mesh: str,
     pairs: Iterable[tuple[PointLike, PointLike]],
     *,
     refine: Refine | None = None,
-    method: str | None = None,
-    within: RegionsLike | None = None,
-    forbid: RegionsLike | None = None,
-    walls: WallsLike | None = None,
-    costs: Costs | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[CostOptions],
 ) -> Flow[list[Path]]:
     """The shortest paths of many pairs (source, target) in one request. Pairs that share a
     source cost one field if they follow each other.
 
+    Args:
+        tolerance: for ``method="steiner"`` only, relative.
+        deadline: seconds for the whole.
+
     Raises:
         GeodesicError: the first pair that the server refuses; ``parameter`` begins with
-            ``pairs[i]``.
+            ``pairs[i]``. DeadlineExceeded is about none of them.
     """
-    common = {
-        "query": "path",
-        "refine": refine,
-        **asked_by(method=method, within=within, forbid=forbid, walls=walls, costs=costs),
-    }
+    deadline, progress = options.pop("deadline", None), options.get("progress")
+    common = {"query": "path", "refine": refine, **asked_by(**options)}
     queries = [{**common, "from": source, "to": target} for source, target in pairs]
-    answers = yield from _replies(mesh, queries, progress)
+    answers = yield from _replies(mesh, queries, progress, deadline)
     remark(_remarks(answers, "pairs"))
     found = []
     for number, answer in enumerate(answers):
         if answer.reply is None:
             error = answer.error or error_of_problem({"status": answer.status})
+            if isinstance(error, DeadlineExceeded):  # of the whole, and no fault of this pair's
+                raise error
             raise refusal(error, f"pairs[{number}]")
         found.append(wire.path_of_json(answer.reply))
     return found

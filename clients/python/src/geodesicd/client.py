@@ -389,10 +389,10 @@ class Client:
         try:
             response = self._opened(step.request)
             try:
-                if response.status_code >= 400:
+                if response.status_code >= 300:
                     body = response.read()
                     raise error_of(response.status_code, response.headers, body)
-                step.on_headers(response.headers)
+                step.on_head(response.status_code, response.headers)
                 for chunk in response.iter_bytes():
                     step.on_bytes(chunk)
             finally:

@@ -280,6 +280,12 @@ def into(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--attribute", metavar="_NAME", help="of the vertices, in that file")
 
 
+def require_into(options: argparse.Namespace) -> None:
+    """Misuse: of what :func:`into` added, there is a name of the attribute and no file for it."""
+    if options.attribute is not None and options.into is None:
+        raise Misuse("--attribute is for --into")
+
+
 def save_annotated(
     options: argparse.Namespace, mesh: Mesh, query: str, asked: dict[str, Any], progress: Any
 ) -> int:

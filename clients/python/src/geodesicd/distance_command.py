@@ -8,7 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from .command_line import bar, exactness_of, into, mesh_of, people, points, save_annotated, signed
+from .command_line import (
+    bar,
+    exactness_of,
+    into,
+    mesh_of,
+    people,
+    points,
+    require_into,
+    save_annotated,
+    signed,
+)
 from .digits import numbers
 from .encoding import milliseconds
 from .errors import Misuse
@@ -29,6 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     require(options.output, (".npy", ".csv"))
+    require_into(options)
     if options.into is not None and (options.at or options.output is not None):
         raise Misuse("--into has the whole field, and is a file of its own")
     with mesh_of(options) as mesh, bar("distances") as progress:

@@ -61,10 +61,13 @@ def _text(value: Any) -> str | None:
     if isinstance(value, bool):
         return "1" if value else "0"
     if isinstance(value, tuple):
-        return ",".join(repr(number) for number in value)
-    if isinstance(value, np.generic):
-        return repr(value.item())
-    return value if isinstance(value, str) else repr(value)
+        return ",".join(_number(one) for one in value)
+    return value if isinstance(value, str) else _number(value)
+
+
+def _number(value: Any) -> str:
+    """Of NumPy's numbers as of Python's: NumPy 2 writes them as ``np.float64(1.0)``."""
+    return repr(value.item() if isinstance(value, np.generic) else value)
 
 
 def _json(value: Any) -> Any:

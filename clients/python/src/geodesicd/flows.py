@@ -66,16 +66,23 @@ class Watch:
 
 @dataclass(frozen=True)
 class Stream:
-    """The step: send this, hand on the reply's headers, and the body as it comes. Raises what the
-    reply says, where that is an error, and ConnectionFailed where the body breaks off."""
+    """The step: send this, hand on the reply's status and headers, and the body as it comes. Raises
+    what the reply says, where that is an error, and ConnectionFailed where the body breaks off. It
+    is not sent again: what has come already, only the flow knows."""
 
     request: Request
+    on_head: Callable[[int, Mapping[str, str]], None]
     on_bytes: Callable[[bytes], None]
-    on_headers: Callable[[Mapping[str, str]], None] = lambda headers: None
 
 
-Step: TypeAlias = Send | Sleep | Watch | Stream
-Flow: TypeAlias = Generator[Step, Any, T]
+@dataclass(frozen=True)
+class AskRules:
+    """The step: tell when the client asks again. Its outcome is :class:`Retries`."""
+
+
+Step: TypeAlias = Send | Sleep | Watch | Stream  # what a client carries out
+Steps: TypeAlias = Generator[Step, Any, T]
+Flow: TypeAlias = Generator[Step | AskRules, Any, T]
 
 
 @dataclass(frozen=True)
@@ -106,7 +113,7 @@ class Retries:
         return pause * random.uniform(0.5, 1)
 
 
-def _sent(request: Request, retries: Retries) -> Flow[Reply]:
+def _sent(request: Request, retries: Retries) -> Steps[Reply]:
     """Sends until there is a reply that is no error, or no hope."""
     attempt = 0
     while True:
@@ -131,15 +138,17 @@ def _sent(request: Request, retries: Retries) -> Flow[Reply]:
         yield Sleep(pause)
 
 
-def with_retries(flow: Flow[T], retries: Retries) -> Flow[T]:
+def with_retries(flow: Flow[T], retries: Retries) -> Steps[T]:
     """The flow, with each of its requests sent again as ``retries`` say, and replies that are
-    errors raised in it as exceptions."""
+    errors raised in it as exceptions. One that streams is told the ``retries``."""
     try:
         step = next(flow)
         while True:
             try:
                 if isinstance(step, Send):
                     outcome: Any = yield from _sent(step.request, retries)
+                elif isinstance(step, AskRules):
+                    outcome = retries
                 else:
                     outcome = yield step
             except BaseException as error:

@@ -36,6 +36,7 @@ _OF_CODE = {
 # What OpenSSL calls plain HTTP in reply to TLS.
 _NO_TLS = {"WRONG_VERSION_NUMBER", "HTTP_REQUEST"}
 _BETWEEN = "This is no reply of geodesicd's own"
+OF_OTHERS = f"{_BETWEEN}: is that address one, and what is between?"
 _OF_STATUS = {
     401: f"{_BETWEEN}: what is before the server wants to know who asks. Give a token: {_TOKEN}",
     403: f"{_BETWEEN}: what is before the server does not let this through",
@@ -95,7 +96,7 @@ def of_error(status: int, code: str, detail: str, limit: int | None) -> str | No
     if code.startswith("http_3"):
         return "Give Client(url) or $GEODESICD_URL the address that it sends to"
     if code.startswith("http_"):
-        return _OF_STATUS.get(status, f"{_BETWEEN}: is that address one, and what is between?")
+        return _OF_STATUS.get(status, OF_OTHERS)
     if code == "too_large":
         return _NO_USE + _smaller(detail)
     if code == "too_much_memory":

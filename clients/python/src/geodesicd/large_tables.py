@@ -6,16 +6,17 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from . import pieces, wire
+from . import hints, pieces, wire
 from .encoding import as_bound, encode, format_of, milliseconds
 from .errors import ConnectionFailed, GeodesicError, Overloaded
-from .flows import Flow, Progress, Retries, Sleep, Stream, ask, part_of
+from .flows import AskRules, Flow, Progress, Retries, Sleep, Stream, ask, part_of
 from .growing_file import GrowingFile
 from .options import CostOptions, asked_by, spelled_out
 from .points import Point, PointsLike, points_of
@@ -38,9 +39,10 @@ def table_file(
 ) -> Flow[FloatArray]:
     """Distances from each of several points to each of several others (without ``targets``: to
     each of the same), written to a .npy file row by row as they are computed: a table that need
-    not fit into memory. When the connection breaks, it goes on with the row that is missing. When
-    this fails or is interrupted, the same call goes on with what the file has; how far that is
-    stands beside it, in ``<file>.part``, until it is whole. Rows that are not there yet are NaN.
+    not fit into memory. When the connection breaks, it goes on with the row that is missing: as
+    often in a row as the client's ``retries`` say, until a row comes. When this fails or is
+    interrupted, the same call goes on with what the file has; how far that is stands beside it, in
+    ``<file>.part``, until it is whole. Rows that are not there yet are NaN.
 
     Args:
         file: where to; another file there is replaced once the first row has come, unless it is a
@@ -92,17 +94,13 @@ def _receive(
     estimated: Callable[[dict[str, float]], None] | None,
 ) -> Flow[None]:
     """Asks for what is missing until nothing is."""
-    retries = Retries()
+    retries: Retries = yield AskRules()
     attempt = 0
 
     def take(data: bytes) -> None:
         part.write(data)
         if progress is not None:
             progress(part.rows / len(rows))
-
-    def take_headers(headers: Mapping[str, str]) -> None:
-        if estimated is not None and "Geo-Estimated" in headers:
-            estimated(json.loads(headers["Geo-Estimated"]))
 
     runs = _runs(rows, columns, pieces.LIMITS)
     if len(runs) > 1:
@@ -113,10 +111,14 @@ def _receive(
             asked = {"from": rows[run], "to": columns, "rows": f"{before - run.start}-"}
             left = milliseconds(pieces.left(end))
             request = encode(mesh, "table", {**asked, **parameters, "deadline_ms": left})
+            expected = {
+                "Geo-Dtype": "<f4" if parameters["format"] == "f32" else "<f8",
+                "Geo-Shape": f"{run.stop - before},{len(columns)}",
+            }
             part.begin_again()
             failed: GeodesicError | None = None
             try:
-                yield Stream(request, take, take_headers)
+                yield Stream(request, partial(_take_head, expected, estimated), take)
             except (ConnectionFailed, Overloaded) as error:
                 vain = isinstance(error, ConnectionFailed) and (error.lasting or error.timeout)
                 if vain:
@@ -133,6 +135,31 @@ def _receive(
             if pause is None:
                 raise failed or ConnectionFailed("the rows ended before the table did", sent=True)
             yield Sleep(pause)
+
+
+def _take_head(
+    expected: Mapping[str, str],
+    estimated: Callable[[dict[str, float]], None] | None,
+    status: int,
+    headers: Mapping[str, str],
+) -> None:
+    """Looks at what comes before the rows.
+
+    Raises:
+        ConnectionFailed: these are none of that kind and number, such as the page of somebody on
+            the way, who may be gone when they are asked for again.
+    """
+    found = {name: headers.get(name) for name in expected}
+    if status != 200 or found != expected:
+        told = " and ".join(f"{name} {value}" for name, value in found.items())
+        wanted = " and ".join(expected.values())
+        raise ConnectionFailed(
+            f"the reply has status {status}, {told}, and is not the rows of {wanted}",
+            sent=True,
+            hint=hints.OF_OTHERS,
+        )
+    if estimated is not None and "Geo-Estimated" in headers:
+        estimated(json.loads(headers["Geo-Estimated"]))
 
 
 def _runs(rows: list[Point], columns: list[Point], limits: Mapping[str, int]) -> list[slice]:

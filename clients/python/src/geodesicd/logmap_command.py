@@ -10,7 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from .command_line import bar, exactness_of, into, mesh_of, people, point, save_annotated
+from .command_line import (
+    bar,
+    exactness_of,
+    into,
+    mesh_of,
+    people,
+    point,
+    require_into,
+    save_annotated,
+)
 from .digits import number, numbers, short
 from .encoding import as_bound, milliseconds
 from .errors import Misuse
@@ -45,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     file: Path | None = options.output
     require(file, _ENDINGS)
+    require_into(options)
     asked: dict[str, Any] = {"radius": as_bound(options.radius), "angle": options.angle}
     asked |= exactness_of(options)
     if options.transport:

@@ -17,7 +17,7 @@ from .client import Mesh
 from .costs import Costs
 from .encoding import milliseconds
 from .flows import Progress
-from .points import Point, PointLike, PointsLike, points_of
+from .points import Point, PointLike, PointsLike, points_of, some_points_of
 from .queries import Refine
 from .raster import Camera, Seen, corner_normals, render
 from .results import Float64, FloatArray, Geometry, Isoline, Path, SurfacePoint
@@ -76,6 +76,7 @@ def plot(
         within, forbid, walls: the part of the surface that the answers are about
             (:mod:`geodesicd.surface_regions`).
         costs: what ways cost instead of their length (:mod:`geodesicd.costs`).
+        via, refine: of the path, as of :meth:`geodesicd.Mesh.path`.
         signed: distances are below 0 inside the one closed curve that is the source.
         isolines: how many, evenly spaced; 0 for none. With ``signed`` they are on both sides.
         view: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``, ``"bottom"``,
@@ -89,8 +90,10 @@ def plot(
 
     Raises:
         GeodesicError: from the server. ImportError: matplotlib is not installed. ValueError: there
-            is no such view or colormap.
+            is no such view or colormap, or ``via`` or ``refine`` without a ``target``.
     """
+    if target is None and (some_points_of(via) or refine is not None):
+        raise ValueError("via and refine are for a path: give a target")
     view = view_angles(view)
     _check_colormap(colormap)
     kept: dict[str, Any] = {"within": within, "forbid": forbid, "walls": walls}

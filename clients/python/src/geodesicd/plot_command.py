@@ -33,6 +33,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command; its exit status."""
     require(options.output, (".png", ".svg", ".pdf", ".jpg", ".eps"))
+    if options.via and options.to is None:
+        raise Misuse("--via is for --to")
     view = _view(options.view)
     from .plot import plot, show
 

@@ -289,7 +289,14 @@ def picture(
             ``"corner"`` or (azimuth, elevation) in degrees.
         colormap: ``"viridis"``, ``"magma"`` or ``"turbo"``.
         stripes: into how many bands isolines divide the field; 0 for none.
+        via, refine: of the path, as of :func:`path`.
+
+    Raises:
+        ValueError: ``via`` or ``refine`` without a ``target``, or several sources with one.
     """
+    stops = some_points_of(via)
+    if target is None and (stops or refine is not None):
+        raise ValueError("via and refine are for a path: give a target")
     parameters: dict[str, Any] = {
         "from": points_of(sources),
         "width": width,
@@ -313,7 +320,7 @@ def picture(
         if len(parameters["from"]) != 1:
             raise ValueError("a path has one source")
         parameters["from"] = parameters["from"][0]
-        parameters.update(to=point_of(target), via=some_points_of(via), refine=refine)
+        parameters.update(to=point_of(target), via=stops, refine=refine)
     return ask(encode(mesh, query, parameters), wire.raw, progress)
 
 

@@ -12,7 +12,7 @@ import { letterOf } from './measures.ts';
 import type { Overlay } from './overlay.ts';
 import type { ExportKind } from './parts.ts';
 import { regionsOf } from './painted.ts';
-import { fieldQuestion, sourcesOf } from './questions.ts';
+import { fieldQuestion, sourceOf, sourcesOf } from './questions.ts';
 import type { Results } from './results.ts';
 import { scaleOf } from './scale_bar.ts';
 import { cellsOf, queryOf } from './shapes.ts';
@@ -40,9 +40,10 @@ export async function exported(kind: ExportKind, from: Exporting): Promise<void>
 const MAKERS: Record<ExportKind, (from: Exporting) => Promise<Blob | null>> = {
   png: picture,
   'path.glb': async ({ access, state, results }) => {
-    if (!results.path || !state.mesh) return null;
-    const { from, via, to, refine } = results.path;
-    const query = { from: resolvedSpot(from), via: via.map(resolvedSpot), to: resolvedSpot(to), refine, ...methodAndCosts(state), ...regionsOf(state.painted) };
+    const { path, pathStart } = results;
+    if (!path || !pathStart || !state.mesh) return null;
+    const { via, to, refine } = path;
+    const query = { from: sourceOf(pathStart), via: via.map(resolvedSpot), to: resolvedSpot(to), refine, ...methodAndCosts(state), ...regionsOf(state.painted) };
     return glb(access, state.mesh, { of: 'path', ...query });
   },
   'field.glb': async ({ access, state }) => {

@@ -14,7 +14,7 @@ export function measureList({ state, results, actions }: Parts): HTMLElement {
   const root = part('Measures', false, none, list, csv);
 
   const back = ({ from, via, to, method, pointsPerEdge, refine, painted }: Measure) =>
-    state.set({ sources: [from], via, target: to, method, ...(method === 'steiner' && { pointsPerEdge }), refine, painted, walking: null, tool: 'target' });
+    state.set({ sources: [from], curves: [], via, target: to, method, ...(method === 'steiner' && { pointsPerEdge }), refine, painted, walking: null, tool: 'target' });
   const show = () => {
     const { measures } = state.value;
     none.hidden = measures.length > 0;

@@ -95,7 +95,7 @@ export class Paths {
     if (!methods.length) return;
     if (!mesh || !target || !count || !surfaceOf(now, this.results.value)) {
       this.#path.cancel();
-      return this.results.set({ path: null, stale: false, along: null, pathMs: null });
+      return this.results.set({ path: null, pathStart: null, stale: false, along: null, pathMs: null });
     }
     const present = field?.key === fieldKey(fieldQuestion(now)!);
     this.#moved = performance.now();
@@ -121,12 +121,12 @@ export class Paths {
 
   async #askPath(asked: PathQuestion, signal: AbortSignal): Promise<void> {
     await this.attempt(signal, 'path', async () => {
-      const path = await this.questions.path(asked, signal, () => this.#path.cancel());
+      const { path, start } = await this.questions.path(asked, signal, () => this.#path.cancel());
       if (signal.aborted || !this.state.value.target) return;
       this.#pathKey = asked.key;
       this.#answered = askedKey(asked);
       const stale = this.results.value.stale || asked.key !== pathKey(this.state.value);
-      this.results.set({ path, stale, along: null, pathMs: computing(path.timing) });
+      this.results.set({ path, pathStart: start, stale, along: null, pathMs: computing(path.timing) });
       this.#judge();
     }, () => {
       this.#answered = ''; // so that it is told off when the same is wanted again and goes well
@@ -182,7 +182,8 @@ export class Paths {
       // One that fails is told, and keeps none of those after it back.
       await this.attempt(signal, `measure ${index}`, async () => {
         const question = { ...measure, mesh, walking: null, starts: [measure.from], key: '' };
-        this.#kept.set(measure, await this.questions.path(question, signal, () => this.#measures.cancel()));
+        const { path } = await this.questions.path(question, signal, () => this.#measures.cancel());
+        this.#kept.set(measure, path);
         const { measures } = this.state.value;
         this.results.set({ measured: measures.map((each) => this.#kept.get(each) ?? null) });
       });

@@ -62,9 +62,14 @@ export function askedKey({ key, starts }: PathQuestion): string {
   return [key, ...starts.map((start) => ('points' in start ? lineText(start) : spotText(start)))].join('|');
 }
 
+/** As the API takes it. */
+export function sourceOf(start: Spot | Line): Spot | string {
+  return 'points' in start ? curveText(start) : start;
+}
+
 /** As the API takes them. */
 export function sourcesOf({ sources, curves }: Pick<State, 'sources' | 'curves'>): (Spot | string)[] {
-  return [...sources, ...curves.map(curveText)];
+  return [...sources, ...curves].map(sourceOf);
 }
 
 /** The state's own field. */
@@ -127,13 +132,13 @@ export class Questions {
     return made;
   }
 
-  /** The shortest of the paths from the starts, or that of least cost, through `via`. */
-  async path(question: PathQuestion, signal: AbortSignal, stop: () => void): Promise<Path> {
+  /** The shortest of the paths from the starts, or that of least cost, through `via`; and which of them it begins at. */
+  async path(question: PathQuestion, signal: AbortSignal, stop: () => void): Promise<{ path: Path; start: Spot | Line }> {
     const { mesh, starts, via, to } = question;
     const method = methodUsed(question);
     const refine = question.refine && !costKind(question);
     const ask = (start: Spot | Line) => {
-      const query = { from: 'points' in start ? curveText(start) : start, via, to, refine: refine ? ('shortest' as const) : ('none' as const), ...methodAndCosts(question), ...regionsOf(question.painted) };
+      const query = { from: sourceOf(start), via, to, refine: refine ? ('shortest' as const) : ('none' as const), ...methodAndCosts(question), ...regionsOf(question.painted) };
       // From one source the field is there already; between via points are others.
       if (!this.isLong(method) || (starts.length === 1 && !via.length)) {
         return this.#plainly('Path', stop, () => this.client().path(mesh, query, { signal }));
@@ -142,11 +147,11 @@ export class Questions {
         this.client().job(mesh, { query: 'path', ...query }, { signal, onProgress }),
       );
     };
-    let best: Path | null = null;
+    let best: { path: Path; start: Spot | Line } | null = null;
     const least = ({ cost, length }: Path) => cost ?? length ?? Infinity;
     for (const start of starts) {
       const path = await ask(start);
-      if (!best || least(path) < least(best)) best = path;
+      if (!best || least(path) < least(best.path)) best = { path, start };
     }
     return best!;
   }

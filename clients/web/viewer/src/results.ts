@@ -5,7 +5,7 @@
 import type { Loop, MeshMetadata, MethodInfo, Path, Trace, Voronoi } from 'geodesicd-client';
 import type { RegionLook } from './regions.ts';
 import type { Cost } from './costs.ts';
-import type { Line, State } from './state.ts';
+import type { Line, Spot, State } from './state.ts';
 import type { Surface } from './surface.ts';
 
 /** A distance a source vertex (mesh units, +Infinity where unreached), as it was answered. */
@@ -67,6 +67,8 @@ export interface Results {
   /** Whether the comparison of all methods was stopped before its end. */
   readonly stopped: boolean;
   readonly path: Path | null;
+  /** The source that the path was asked from; of a line the path itself only says the line's first point. */
+  readonly pathStart: Spot | Line | null;
   /** Whether the path is, or was until a moment ago, of other points than the present ones. */
   readonly stale: boolean;
   /** Of the last path: the server's computing, in milliseconds. */
@@ -97,6 +99,7 @@ export const UNANSWERED = {
   trials: {},
   stopped: false,
   path: null,
+  pathStart: null,
   stale: false,
   pathMs: null,
   along: null,

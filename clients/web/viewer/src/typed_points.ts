@@ -82,7 +82,7 @@ export class TypedPoints {
     const wrong = entries.find(({ fault }) => fault);
     if (wrong) notices.trouble({ ...wrong.fault!, detail: wrong.text.slice(0, 200), about: 'points' });
     if (wrong || !entries.length) return false;
-    const { tool, sources, via, loop } = state.value;
+    const { tool } = state.value; // what was typed is for the tool of that moment
     if (entries.length > 1 && (tool === 'target' || tool === 'arrow')) {
       notices.trouble({
         title: tool === 'target' ? 'A path has one target' : 'An arrow has one start',
@@ -100,6 +100,7 @@ export class TypedPoints {
       return false;
     }
     const spots = found.spots as Spot[];
+    const { sources, via, loop } = state.value; // of now: others may have been placed meanwhile
     if (tool === 'source' && spots.length > 1) this.#sources(spots, spots.length);
     else if (tool === 'add') this.#sources([...sources, ...spots], sources.length + spots.length);
     else if (tool === 'via') {

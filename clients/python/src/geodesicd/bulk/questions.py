@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +13,10 @@ from numpy.typing import NDArray
 
 from .. import queries, spreads, tables
 from ..client import Mesh
-from ..encoding import as_bound
+from ..costs import costing
+from ..encoding import as_bound, body_json
 from ..points import point_of, points_of
+from ..surface_regions import regions_of, walls_of
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ _QUESTIONS: dict[str, tuple[Callable[..., Any], Callable[[Mesh, Mapping[str, Any
 }
 _ONE_POINT = ("source", "target")
 _POINTS = ("sources", "targets", "at", "via", "covered")
+_REGIONS = ("within", "forbid")
 
 
 def answer(name: str, mesh: Mesh, asked: Mapping[str, Any]) -> Columns:
@@ -96,7 +100,9 @@ def checked(name: str, asked: Mapping[str, Any]) -> dict[str, Any]:
     # No bound is none, and a deadline changes no answer.
     given = {**asked, "max": as_bound(asked.get("max")), "deadline": None}
     plain = {key: _plain(key, value) for key, value in given.items() if value is not None}
-    return {"question": name, **plain}
+    # What JSON cannot say is told now, before anything is written.
+    found: dict[str, Any] = json.loads(json.dumps({"question": name, **plain}))
+    return found
 
 
 def _plain(key: str, value: Any) -> Any:
@@ -104,6 +110,12 @@ def _plain(key: str, value: Any) -> Any:
         return point_of(value).json()
     if key in _POINTS:
         return [] if isinstance(value, tuple) and not value else plain_points(value)
+    if key in _REGIONS:
+        return [region.json() for region in regions_of(value) or ()]
+    if key == "walls":
+        return [wall.json() for wall in walls_of(value) or ()]
+    if key == "costs":
+        return body_json(costing(value))
     if key == "dtype":
         return np.dtype(value).name
     return value.item() if isinstance(value, np.generic) else value
