@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
+#include "core/base/polled_sort.h"
 #include "core/base/tolerances.h"
 #include "core/field/edge_points.h"
 #include "core/field/window_table.h"
@@ -109,37 +111,126 @@ void in_each_face(const Adjacency& adjacency, const LineSegment& segment, Poll& 
   }
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> faces_of_lines(const Adjacency& adjacency,
-                                          std::span<const LineSegment> segments, Poll& poll) {
-  std::vector<std::uint32_t> faces;
-  for (const LineSegment& segment : segments) {
-    if (poll.cancelled()) return faces;
-    in_each_face(adjacency, segment, poll,
-                 [&](std::uint32_t f, const auto&, const auto&) { faces.push_back(f); });
+// False, and nothing added, if there is no memory for it.
+template <class Value>
+bool add_within_budget(std::vector<Value>& values, const Value& value, Poll& poll) {
+  if (values.size() == values.capacity()) {
+    const std::size_t more = std::max<std::size_t>(64, values.size());
+    // As it grows, it is there twice.
+    if (!poll.may_take(2 * more * sizeof(Value))) return false;
+    values.reserve(values.size() + more);
   }
-  std::sort(faces.begin(), faces.end());
+  values.push_back(value);
+  return true;
+}
+
+// A face, an edge or a vertex that lines lie in. An edge is known by its vertices: it is the same
+// from all of its faces, however many they are.
+struct LinePlace {
+  // A face and kNone, an edge's vertices, ascending, or a vertex twice.
+  std::array<std::uint32_t, 2> key;
+  Halfedge along = kNone;  // of an edge, whichever of its halfedges
+};
+
+std::array<std::uint32_t, 2> key_of_edge(const Adjacency& adjacency, Halfedge h) {
+  const std::uint32_t tail = adjacency.tail(h);
+  const std::uint32_t head = adjacency.head(h);
+  return {std::min(tail, head), std::max(tail, head)};
+}
+
+LinePlace place_in(const Adjacency& adjacency, std::uint32_t face, Halfedge along) {
+  if (along == kNone) return {{face, kNone}, kNone};
+  return {key_of_edge(adjacency, along), along};
+}
+
+LinePlace place_of(const Adjacency& adjacency, const SurfacePoint& point) {
+  if (point.at_vertex()) return {{point.vertex, point.vertex}, kNone};
+  return place_in(adjacency, point.face, edge_under(point));
+}
+
+// Adds the faces round a place. False if the poll says to stop.
+bool add_faces_round(const Adjacency& adjacency, const LinePlace& place,
+                     std::vector<std::uint32_t>& faces, Poll& poll) {
+  const auto add = [&](std::uint32_t f) {
+    return !poll.cancelled() && add_within_budget(faces, f, poll);
+  };
+  if (place.along != kNone) {
+    Halfedge h = place.along;
+    do {
+      if (!add(face_of(h))) return false;
+      h = adjacency.ring(h);
+    } while (h != place.along);
+    return true;
+  }
+  if (place.key[1] == kNone) return add(place.key[0]);
+  const auto corners = adjacency.corners(place.key[0]);
+  return std::all_of(corners.begin(), corners.end(),
+                     [&](std::uint32_t corner) { return add(face_of(corner)); });
+}
+
+// The faces round all of the places, ascending and each once. A place that is there a thousand
+// times is gone round once. Of no use if the poll says to stop.
+std::vector<std::uint32_t> faces_round(const Adjacency& adjacency, std::vector<LinePlace>& places,
+                                       Poll& poll) {
+  std::vector<std::uint32_t> faces;
+  std::vector<LinePlace> spare_places;
+  polled_sort(
+      places, 0, places.size(),
+      [](const LinePlace& a, const LinePlace& b) { return a.key < b.key; }, spare_places, poll);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (poll.stopped() || poll.cancelled()) return faces;
+    if (i > 0 && places[i].key == places[i - 1].key) continue;
+    if (!add_faces_round(adjacency, places[i], faces, poll)) return faces;
+  }
+  std::vector<std::uint32_t> spare_faces;
+  polled_sort(faces, 0, faces.size(), std::less<>(), spare_faces, poll);
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   return faces;
 }
 
+// False if the poll says to stop.
+bool add_places(const Adjacency& adjacency, std::span<const LineSegment> segments,
+                std::vector<LinePlace>& places, Poll& poll) {
+  for (const LineSegment& segment : segments) {
+    const LinePlace place = place_in(adjacency, segment.face, segment.along());
+    if (poll.cancelled() || !add_within_budget(places, place, poll)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> faces_of_lines(const Adjacency& adjacency,
+                                          std::span<const LineSegment> segments, Poll& poll) {
+  std::vector<LinePlace> places;
+  if (!add_places(adjacency, segments, places, poll)) return {};
+  return faces_round(adjacency, places, poll);
+}
+
 FieldOnLines::FieldOnLines(const Adjacency& adjacency, const Field& field, Poll& poll)
     : adjacency_(adjacency), field_(field), poll_(poll) {
-  around_ = faces_of_lines(adjacency, field.lines->lines().segments, poll);
+  std::vector<LinePlace> places;
+  if (!add_places(adjacency, field.lines->lines().segments, places, poll)) return;
   for (std::uint32_t s = 0; s < field.lines->given(); ++s) {
     const Source& source = field.sources[s];
-    for (const SurfacePoint& place : in_all_faces(adjacency, source.point)) {
-      if (poll.cancelled()) return;
-      around_.push_back(place.face);
-      // At a vertex it is a corner with a distance.
-      if (source.point.at_vertex()) continue;
-      sources_.push_back({place.face, source.offset, place.bary});
+    const LinePlace place = place_of(adjacency, source.point);
+    if (poll.cancelled() || !add_within_budget(places, place, poll)) return;
+    // At a vertex it is a corner with a distance.
+    if (source.point.at_vertex()) continue;
+    PointSource kept{place.key, source.offset, source.point.bary};
+    if (place.along != kNone) {
+      // The lower vertex first, as the key has them.
+      const std::uint32_t c = corner_of(place.along);
+      kept.weights = {source.point.bary[c], source.point.bary[next_corner(c)], 0};
+      if (adjacency.tail(place.along) != place.key[0]) std::swap(kept.weights[0], kept.weights[1]);
     }
+    if (!add_within_budget(sources_, kept, poll)) return;
   }
-  std::sort(around_.begin(), around_.end());
-  std::stable_sort(sources_.begin(), sources_.end(),
-                   [](const PointSource& a, const PointSource& b) { return a.face < b.face; });
+  around_ = faces_round(adjacency, places, poll);
+  std::vector<PointSource> spare;
+  polled_sort(
+      sources_, 0, sources_.size(),
+      [](const PointSource& a, const PointSource& b) { return a.place < b.place; }, spare, poll);
 }
 
 bool FieldOnLines::meets(std::span<const std::uint32_t> faces) const {
@@ -187,17 +278,33 @@ void FieldOnLines::lower_within(const Piece& piece, double& least) const {
     return;
   }
   for (std::uint32_t c = 0; c < 3; ++c) lower_by_side(piece, c, least);
+  if (sources_.empty()) return;
+  lower_by_sources(piece, {piece.face, kNone}, {0, 1, 2}, least);
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const std::array<std::uint32_t, 2> edge = key_of_edge(adjacency_, halfedge(piece.face, c));
+    std::array<std::uint32_t, 3> corners{c, next_corner(c), previous_corner(c)};
+    if (adjacency_.tail(halfedge(piece.face, c)) != edge[0]) std::swap(corners[0], corners[1]);
+    lower_by_sources(piece, edge, corners, least);
+  }
+}
+
+void FieldOnLines::lower_by_sources(const Piece& piece, const std::array<std::uint32_t, 2>& place,
+                                    const std::array<std::uint32_t, 3>& corners,
+                                    double& least) const {
+  using Key = std::array<std::uint32_t, 2>;
   auto source =
-      std::lower_bound(sources_.begin(), sources_.end(), piece.face,
-                       [](const PointSource& one, std::uint32_t f) { return one.face < f; });
-  if (source == sources_.end() || source->face != piece.face) return;
+      std::lower_bound(sources_.begin(), sources_.end(), place,
+                       [](const PointSource& one, const Key& key) { return one.place < key; });
+  if (source == sources_.end() || source->place != place) return;
   const FaceOnBase over = FaceOnBase::of(adjacency_, halfedge(piece.face, 0));
-  for (; source != sources_.end() && source->face == piece.face; ++source) {
+  for (; source != sources_.end() && source->place == place; ++source) {
     if (poll_.cancelled()) return;
+    std::array<double, 3> at{};
+    for (std::size_t i = 0; i < 3; ++i) at[corners[i]] = source->weights[i];
     // Seen from the source, so that what is close keeps its digits.
     const auto seen = [&](const std::array<double, 3>& bary) {
       std::array<double, 3> difference{};
-      for (std::size_t i = 0; i < 3; ++i) difference[i] = bary[i] - source->bary[i];
+      for (std::size_t i = 0; i < 3; ++i) difference[i] = bary[i] - at[i];
       return flat_point(over, difference);
     };
     const FlatSegment segment{seen(piece.from), seen(piece.to)};

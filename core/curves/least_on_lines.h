@@ -39,10 +39,11 @@ class FieldOnLines {
   [[nodiscard]] bool meets(std::span<const std::uint32_t> faces) const;
 
  private:
+  // A source that was given inside a face or on an edge, which has it once for all of its faces.
   struct PointSource {
-    std::uint32_t face;
+    std::array<std::uint32_t, 2> place;  // the face and kNone, or the edge's vertices, ascending
     double offset;
-    std::array<double, 3> bary;
+    std::array<double, 3> weights;  // of the face's corners, or of these vertices
   };
 
   // A segment in one face, as the weights of its ends there.
@@ -53,12 +54,15 @@ class FieldOnLines {
   };
   void lower_within(const Piece& piece, double& least) const;
   void lower_by_side(const Piece& piece, std::uint32_t c, double& least) const;
+  // `corners`: those of the piece's face that the weights are of.
+  void lower_by_sources(const Piece& piece, const std::array<std::uint32_t, 2>& place,
+                        const std::array<std::uint32_t, 3>& corners, double& least) const;
   [[nodiscard]] bool crosses_a_line(const Piece& piece) const;
 
   const Adjacency& adjacency_;
   const Field& field_;
   Poll& poll_;
-  std::vector<PointSource> sources_;   // those that were given inside faces, ascending by face
+  std::vector<PointSource> sources_;   // ascending by place
   std::vector<std::uint32_t> around_;  // the faces that have points of the lines, ascending
 };
 

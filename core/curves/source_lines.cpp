@@ -63,10 +63,10 @@ LineSegment whole_edge(Halfedge h, std::uint32_t item) {
   return segment;
 }
 
-// What two segments that are the same have in common: the face, or of those on an edge its least
-// halfedge, and where the ends are.
+// What two segments that are the same have in common: the face, or the vertices of the edge that
+// they run along, and where the ends are.
 struct SegmentKey {
-  std::uint32_t place;
+  std::array<std::uint32_t, 2> place;  // a face and kNone, or an edge's vertices, ascending
   std::array<double, 6> ends;
   std::uint32_t number;
 
@@ -78,24 +78,21 @@ struct SegmentKey {
   }
 };
 
-SegmentKey key_of(const Adjacency& adjacency, const LineSegment& segment, std::uint32_t number,
-                  Poll& poll) {
+SegmentKey key_of(const Adjacency& adjacency, const LineSegment& segment, std::uint32_t number) {
   const Halfedge along = segment.along();
   std::array<double, 3> from = segment.from;
   std::array<double, 3> to = segment.to;
-  std::uint32_t place = segment.face;
+  std::array<std::uint32_t, 2> place{segment.face, kNone};
   if (along != kNone) {
-    Halfedge least = along;
-    for (Halfedge g = adjacency.ring(along); g != along && !poll.cancelled();
-         g = adjacency.ring(g)) {
-      least = std::min(least, g);
+    place = {adjacency.tail(along), adjacency.head(along)};
+    std::uint32_t low = corner_of(along);
+    if (place[1] < place[0]) {
+      std::swap(place[0], place[1]);
+      low = next_corner(low);
     }
-    place = least;
-    // By the weight of the least halfedge's tail.
-    const std::uint32_t c = corner_of(along);
-    const std::uint32_t tail = adjacency.tail(least) == adjacency.tail(along) ? c : next_corner(c);
-    from = {segment.from[tail], 0, 0};
-    to = {segment.to[tail], 0, 0};
+    // By the weight of the lower vertex.
+    from = {segment.from[low], 0, 0};
+    to = {segment.to[low], 0, 0};
   }
   if (to < from) std::swap(from, to);
   return {place, {from[0], from[1], from[2], to[0], to[1], to[2]}, number};
@@ -109,6 +106,31 @@ void keep_marked(std::vector<Value>& values, const std::vector<bool>& marked) {
     if (marked[i]) values[kept++] = values[i];
   }
   values.resize(kept);
+}
+
+// The edges between these faces and those that no item has, each once, as the first of its
+// halfedges here. An edge is gone round once, however many of these faces are on it. Of no use if
+// the poll says to stop.
+std::vector<Halfedge> border_of(const Adjacency& adjacency, std::span<const std::uint32_t> faces,
+                                const SourceLines& lines, Poll& poll) {
+  std::vector<Halfedge> border;
+  std::vector<bool> passed(4 * adjacency.faces().size(), false);
+  for (const std::uint32_t f : faces) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      if (passed[h]) continue;
+      bool is_border = false;
+      Halfedge g = h;
+      do {
+        if (poll.cancelled()) return border;
+        passed[g] = true;
+        is_border = is_border || !lines.has_face(face_of(g));
+        g = adjacency.ring(g);
+      } while (g != h);
+      if (is_border) border.push_back(h);
+    }
+  }
+  return border;
 }
 
 // Tells `found` of one loop after the other, which it may take.
@@ -225,18 +247,8 @@ void add_faces(const Adjacency& adjacency, std::span<const std::uint32_t> faces,
   for (const std::uint32_t f : faces) {
     if (lines.item_of_face[f] == kNone) lines.item_of_face[f] = item;
   }
-  std::vector<Halfedge> border;
-  for (const std::uint32_t f : faces) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Halfedge h = halfedge(f, c);
-      for (Halfedge g = adjacency.ring(h); g != h; g = adjacency.ring(g)) {
-        if (poll.cancelled()) return;
-        if (lines.item_of_face[face_of(g)] != kNone) continue;
-        border.push_back(h);
-        break;
-      }
-    }
-  }
+  const std::vector<Halfedge> border = border_of(adjacency, faces, lines, poll);
+  if (poll.stopped()) return;
   constexpr std::size_t kOfEdge = sizeof(LineSegment) + sizeof(Source) + 8 * sizeof(std::uint32_t);
   if (!poll.may_take(2 * border.size() * kOfEdge)) return;
   for (const Halfedge h : border) lines.segments.push_back(whole_edge(h, item));
@@ -270,7 +282,7 @@ void merge_repeated(const Adjacency& adjacency, SourceLines& lines, std::vector<
   std::vector<SegmentKey> keys;
   keys.reserve(count);
   for (std::uint32_t s = 0; s < count && !poll.cancelled(); ++s) {
-    keys.push_back(key_of(adjacency, lines.segments[s], s, poll));
+    keys.push_back(key_of(adjacency, lines.segments[s], s));
   }
   if (poll.stopped()) return;
   std::sort(keys.begin(), keys.end());

@@ -12,10 +12,14 @@
 #include "core/solve/solve_field.h"
 
 namespace geodesic {
+
+bool are_met(double lower, double upper) {
+  constexpr double kEqualBounds = 1e-9;  // what rounding leaves of sums
+  return std::isfinite(upper) && upper - lower <= kEqualBounds * upper;
+}
+
 namespace {
 
-// Bounds that are as near as this are equal: what rounding leaves of sums.
-constexpr double kEqualBounds = 1e-9;
 // What is known of all vertices of the part, by their places in it, from the fields so far.
 class Survey {
  public:
@@ -120,7 +124,7 @@ class Survey {
       case ExtentOf::mean:
         break;
     }
-    if (extent.upper - extent.lower <= kEqualBounds * extent.upper || count_done() == size()) {
+    if (are_met(extent.lower, extent.upper) || count_done() == size()) {
       extent.lower = extent.upper = extent.value;
     }
     return extent;

@@ -37,11 +37,14 @@ struct Extent {
   std::uint64_t part_vertices = 0;
 };
 
+// Whether two bounds are equal, to rounding; never where the upper one is infinite.
+[[nodiscard]] bool are_met(double lower, double upper);
+
 // At most `fields` fields are computed, at least one. By methods whose distances are no metric
 // (MethodTraits) bounds are as uncertain as distances are, and a value counts as exact only with
 // the fields of all vertices. A mean is estimated from vertices drawn at random, by the area about
-// them; the same ones each time. `upper` is infinite where the draws say nothing of it. Errors:
-// cancelled; those of solve_field.
+// them; the same ones each time. `upper` is infinite where nothing bounds it: the draws of a mean,
+// or a vertex that no field has reached. Errors: cancelled; those of solve_field.
 [[nodiscard]] Result<Extent> extent(ExtentOf what, Method method, const MethodOptions& options,
                                     const Adjacency& adjacency, std::uint64_t fields,
                                     SolveScratch& scratch, const Cancel& cancel);

@@ -41,11 +41,11 @@ struct FieldLimits {
   // Distances above this are not computed: they read kUnreached.
   double max = std::numeric_limits<double>::infinity();
   // When not empty: stop once these vertices have their final distance. Vertices
-  // farther than all of them read kUnreached.
+  // farther than all of them read kUnreached, but for `steiner`'s up to `beyond_targets`.
   std::span<const std::uint32_t> targets;
-  // Windows go on until they are final so much farther than the last of the targets: a point
-  // inside a face may be farther than all of its corners, by up to the face's longest side, and
-  // its shortest way may come after theirs. In mesh units.
+  // Windows, and points on edges, go on until they are final so much farther than the last of the
+  // targets: a point inside a face may be farther than all of its corners, by up to the face's
+  // longest side, and its shortest way may come after theirs. In units of the distance.
   double beyond_targets = 0;
   // Keep what paths and points inside faces need besides the vertices' distances:
   // the windows of an exact method, the points on edges of `steiner`.

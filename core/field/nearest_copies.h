@@ -11,6 +11,13 @@
 
 namespace geodesic {
 
+// The copy that speaks for a vertex that vertex_of_source has. `nearer`: as nearer_copies gives it.
+[[nodiscard]] inline std::uint32_t nearest_copy(
+    const std::unordered_map<std::uint32_t, std::uint32_t>& nearer, std::uint32_t vertex) {
+  const auto copy = nearer.find(vertex);
+  return copy == nearer.end() ? vertex : copy->second;
+}
+
 // Of vertices that have copies with a value less than theirs, the copy with the least. They are
 // those that vertex_of_source has. `value_at(v)`: of a vertex. O(v), and memory for no others. Of
 // no use if the poll says to stop.
@@ -23,8 +30,7 @@ template <class ValueAt>
     const std::uint32_t source = mesh.source_of_vertex(v);
     if (source >= mesh.source_vertex_count() || firsts[source] == v) continue;
     const std::uint32_t first = firsts[source];
-    const auto found = nearer.find(first);
-    if (value_at(v) < value_at(found == nearer.end() ? first : found->second)) nearer[first] = v;
+    if (value_at(v) < value_at(nearest_copy(nearer, first))) nearer[first] = v;
   }
   return nearer;
 }
@@ -41,7 +47,7 @@ template <class Values>
   if (nearer.empty()) return found;
   for (std::uint32_t& v : found) {
     if (poll.cancelled()) break;
-    if (const auto copy = nearer.find(v); copy != nearer.end()) v = copy->second;
+    v = nearest_copy(nearer, v);
   }
   return found;
 }

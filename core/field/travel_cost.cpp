@@ -66,9 +66,20 @@ double TravelCost::of_walked(std::uint32_t face, Vec3 from, Vec3 to) const {
   return parts_.rate == Rate::none ? flat : flat * rate_at(slope_of(from, to));
 }
 
+// Ground that is just as steep as may be is walked, between all places on it. So the slope may be
+// greater by what rounding adds to it, and to where the two ends are.
+bool TravelCost::is_too_steep(double slope, Vec3 from, Vec3 to) const {
+  const double steepest = parts_.steepest;
+  if (slope <= steepest) return false;
+  const double off = std::numeric_limits<double>::epsilon() * (size_of(from) + size_of(to));
+  const double run = distance(from, to) / std::hypot(1, steepest);
+  // Both the rise and the run are off by that.
+  return !(slope <= steepest * (1 + tolerance::kSamePath) + (1 + steepest) * off / run);
+}
+
 double TravelCost::of(std::uint32_t face, Vec3 from, Vec3 to) const {
-  if (parts_.steepest < kInfinite) {
-    if (!(std::abs(slope_of(from, to)) <= parts_.steepest)) return kInfinite;
+  if (parts_.steepest < kInfinite && is_too_steep(std::abs(slope_of(from, to)), from, to)) {
+    return kInfinite;
   }
   return of_walked(face, from, to);
 }

@@ -33,7 +33,7 @@ class TravelCost {
     std::vector<double> weights = {};  // by face, above 0; empty: all are 1
     Rate rate = Rate::none;
     std::vector<SlopeRate> table = {};  // ascending, at least one if it is the rate
-    // Steeper segments are not walked, neither up nor down.
+    // Steeper segments are not walked, neither up nor down. What rounding may add is not steeper.
     double steepest = std::numeric_limits<double>::infinity();
     Vec3 up{0, 1, 0};  // not zero
   };
@@ -69,6 +69,7 @@ class TravelCost {
 
  private:
   [[nodiscard]] double slope_of(Vec3 from, Vec3 to) const;
+  [[nodiscard]] bool is_too_steep(double slope, Vec3 from, Vec3 to) const;
 
   Parts parts_;
 };

@@ -63,6 +63,19 @@ void LandmarkGroup::decompose(std::span<const double> squares, Poll& poll) {
   }
 }
 
+double LandmarkGroup::middle_of_bounds(std::span<const double> to_landmarks,
+                                       std::size_t place) const {
+  double low = 0;
+  double high = kUnreached;
+  for (std::size_t l = 0; l < landmarks_.size(); ++l) {
+    const double one = to_landmarks[landmarks_[l]];
+    const double other = distances_[l * points_.size() + place] / scale_;
+    low = std::max(low, std::abs(one - other));
+    high = std::min(high, one + other);
+  }
+  return low + (high - low) / 2;
+}
+
 void LandmarkGroup::estimate(std::span<const double> to_landmarks, std::size_t cutoff, double least,
                              std::span<double> row, Poll& poll) const {
   const std::size_t count = landmarks_.size();
@@ -103,6 +116,11 @@ void LandmarkGroup::estimate(std::span<const double> to_landmarks, std::size_t c
     for (std::size_t i = 0; i < size; ++i) {
       double& entry = row[points_[begin + i]];
       if (entry != kUnreached) continue;
+      // The row's point may be so far from all others that its squares are no floats.
+      if (!std::isfinite(square[i]) || !std::isfinite(low[i])) {
+        entry = std::max(middle_of_bounds(to_landmarks, begin + i), least);
+        continue;
+      }
       const float distance = std::sqrt(std::max(square[i], 0.0F));
       const float bounded = std::clamp(distance, std::min(low[i] * (1 - kRounding), high[i]),
                                        high[i] * (1 + kRounding));

@@ -74,6 +74,10 @@ class LandmarkGroup {
 
  private:
   void decompose(std::span<const double> squares, Poll& poll);
+  // Of what the triangle inequality leaves for the distance to the point at a place in `points_`.
+  // Mesh units.
+  [[nodiscard]] double middle_of_bounds(std::span<const double> to_landmarks,
+                                        std::size_t place) const;
 
   std::vector<std::uint32_t> landmarks_;
   std::vector<std::uint32_t> points_;

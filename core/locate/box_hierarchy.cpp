@@ -41,7 +41,7 @@ struct AlongRay {
   [[nodiscard]] bool is_beaten(double least, std::size_t /*first_face*/) const {
     return least == kInfinity || least > search.reach() + tolerance::kBox;
   }
-  void consider(std::uint32_t face) { search.consider(face); }
+  void consider(std::uint32_t face) { search.consider(face, poll); }
   [[nodiscard]] bool is_cancelled() { return poll.cancelled(); }
 };
 

@@ -51,12 +51,13 @@ struct RayContext : EmbreeContext {
 void meet_face(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   RaySearch& search = *static_cast<RayContext*>(arguments->context)->search;
+  Poll& poll = *static_cast<RayContext*>(arguments->context)->poll;
   float& end = RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0);
-  if (static_cast<RayContext*>(arguments->context)->poll->cancelled()) {
+  if (poll.cancelled()) {
     end = -std::numeric_limits<float>::infinity();  // ends the search
     return;
   }
-  if (!search.consider(arguments->primID)) return;
+  if (!search.consider(arguments->primID, poll)) return;
   end = std::min(end, static_cast<float>(search.reach() + tolerance::kEmbreeRay));
 }
 

@@ -81,16 +81,24 @@ class Section {
     return h;
   }
 
+  [[nodiscard]] std::optional<Halfedge> cut_side(std::uint32_t face) const {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      if (is_cut(halfedge(face, c))) return halfedge(face, c);
+    }
+    return std::nullopt;
+  }
+
   // Some side that the plane cuts, of the first face at the point that has one.
   [[nodiscard]] std::optional<Halfedge> first_side(const SurfacePoint& at) {
     for (const SurfacePoint& place : in_all_faces(adjacency_, at)) {
+      if (poll_.cancelled()) return std::nullopt;
+      // Copies of a face are cut alike: the last is looked for where it is cut, and so only once.
       std::uint32_t face = place.face;
+      if (!cut_side(face)) continue;
       while (has_later_copy(adjacency_, face) && !poll_.cancelled()) {
         face = later_copy(adjacency_, face);
       }
-      for (std::uint32_t c = 0; c < 3; ++c) {
-        if (is_cut(halfedge(face, c))) return halfedge(face, c);
-      }
+      return cut_side(face);
     }
     return std::nullopt;
   }

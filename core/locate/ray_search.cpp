@@ -23,16 +23,17 @@ struct OnFace {
 
 // A point of a face without area is one of its sides' too. The nearest place on a
 // side that a face with an area has as well; without such a side, nothing.
-OnFace beside(const Adjacency& adjacency, std::uint32_t flat, const std::array<double, 3>& bary) {
+// `side_with_area(side)`: as RaySearch has it.
+template <class SideWithArea>
+OnFace beside(const Adjacency& adjacency, std::uint32_t flat, const std::array<double, 3>& bary,
+              const SideWithArea& side_with_area) {
   const Mesh& mesh = adjacency.mesh();
   const Vec3 point = position_of(mesh, {flat, bary, kNone});
   OnFace best;
   double best2 = kInfinity;
   for (std::uint32_t c = 0; c < 3; ++c) {
-    const Halfedge side = halfedge(flat, c);
-    Halfedge h = adjacency.ring(side);
-    while (h != side && is_flat(adjacency.face(face_of(h)))) h = adjacency.ring(h);
-    if (h == side) continue;
+    const Halfedge h = side_with_area(halfedge(flat, c));
+    if (h == kNone) continue;
     const FaceRecord& face = adjacency.face(face_of(h));
     const std::uint32_t from = corner_of(h);
     const std::uint32_t to = next_corner(from);
@@ -73,7 +74,31 @@ std::optional<RaySearch> RaySearch::begin(const Adjacency& adjacency, const Unit
   return RaySearch(adjacency, unit, origin, direction);
 }
 
-bool RaySearch::consider(std::uint32_t face) {
+Halfedge RaySearch::side_with_area(Halfedge side, Poll& poll) {
+  const auto has_area = [&](Halfedge h) { return !is_flat(adjacency_->face(face_of(h))); };
+  Halfedge h = adjacency_->ring(side);
+  for (std::size_t i = 0; i < Triangulation::kCrowd; ++i) {
+    if (h == side) return kNone;
+    if (has_area(h)) return h;
+    h = adjacency_->ring(h);
+  }
+  // As many faces without area may be met as there are here: the edge is gone round once for all.
+  const auto [low, high] = std::minmax({adjacency_->tail(side), adjacency_->head(side)});
+  for (const CrowdedEdge& known : crowded_) {
+    if (known.low == low && known.high == high) return known.side;
+  }
+  CrowdedEdge& known = crowded_[next_crowded_++ % crowded_.size()];
+  known = {low, high, kNone};
+  h = side;
+  do {
+    if (poll.cancelled()) return kNone;
+    if (has_area(h)) known.side = std::min(known.side, h);
+    h = adjacency_->ring(h);
+  } while (h != side);
+  return known.side;
+}
+
+bool RaySearch::consider(std::uint32_t face, Poll& poll) {
   const FaceRecord& record = adjacency_->face(face);
   const auto corner = [&](std::uint32_t c) {
     return unit_->scale * (adjacency_->mesh().positions()[record.vertex[c]] - origin_);
@@ -81,7 +106,10 @@ bool RaySearch::consider(std::uint32_t face) {
   const auto met = frame_.meet({corner(0), corner(1), corner(2)});
   if (!met || met->t > reach_ || (met->t == reach_ && face > met_)) return false;
   OnFace place{face, met->bary};
-  if (is_flat(record)) place = beside(*adjacency_, face, met->bary);
+  if (is_flat(record)) {
+    place = beside(*adjacency_, face, met->bary,
+                   [&](Halfedge side) { return side_with_area(side, poll); });
+  }
   if (place.face == kNone) return false;
   reach_ = met->t;
   met_ = face;

@@ -12,6 +12,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/cancel.h"
 #include "core/base/vec3.h"
 #include "core/locate/ray_triangle.h"
 #include "core/locate/unit_box.h"
@@ -34,8 +35,9 @@ class RaySearch {
   [[nodiscard]] Vec3 direction() const { return direction_; }
 
   // True when the face is met before all others so far. Of faces met at once the one
-  // of the lowest number is kept, whatever the order in which they are shown.
-  bool consider(std::uint32_t face);
+  // of the lowest number is kept, whatever the order in which they are shown. Of no
+  // use if the poll says to stop.
+  bool consider(std::uint32_t face, Poll& poll);
 
   // How far the first hit is, in lengths of direction(); infinite without one.
   [[nodiscard]] double reach() const { return reach_; }
@@ -49,6 +51,17 @@ class RaySearch {
         direction_(direction),
         frame_(direction) {}
 
+  // Of the faces on the edge of a side, whose own face has no area, the next in the ring
+  // that has one, as its halfedge there; or where a crowd of others comes first, the lowest.
+  // kNone where there is none.
+  [[nodiscard]] Halfedge side_with_area(Halfedge side, Poll& poll);
+
+  struct CrowdedEdge {
+    std::uint32_t low = kNone;  // its vertices
+    std::uint32_t high = kNone;
+    Halfedge side = kNone;  // the lowest there of a face with an area
+  };
+
   const Adjacency* adjacency_;
   const UnitBox* unit_;
   Vec3 origin_;  // mesh units
@@ -58,6 +71,9 @@ class RaySearch {
   std::uint32_t met_ = kNone;   // the face that was met
   std::uint32_t face_ = kNone;  // and the one to say it of: another where that has no area
   std::array<double, 3> bary_{};
+  // Those gone round last. A fixed number, since from Embree's callback nothing may be thrown.
+  std::array<CrowdedEdge, 8> crowded_{};
+  std::size_t next_crowded_ = 0;
 };
 
 }  // namespace geodesic

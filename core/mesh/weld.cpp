@@ -91,7 +91,9 @@ class Stayed {
 Result<std::uint64_t> weld_within(TriangleSoup& soup, double tolerance, const Cancel& cancel) {
   // `Mesh::build` refuses these, and the grid has no cells for them.
   const auto is_usable = [](const Vec3& p) {
-    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= Mesh::kMaxCoordinate;
+    // Written so that NaN fails it, in whichever coordinate.
+    return std::abs(p.x) <= Mesh::kMaxCoordinate && std::abs(p.y) <= Mesh::kMaxCoordinate &&
+           std::abs(p.z) <= Mesh::kMaxCoordinate;
   };
   if (!std::all_of(soup.positions.begin(), soup.positions.end(), is_usable)) return 0;
   Poll poll(cancel);

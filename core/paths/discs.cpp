@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/vec3.h"
+#include "core/field/nearest_copies.h"
 #include "core/paths/isolines.h"
 
 namespace geodesic {
@@ -83,11 +84,13 @@ class DiscSums {
       from_[first_with(field_.distance[v])].euler += 1;
       farthest_ = std::max(farthest_, field_.distance[v]);
     }
+    const auto nearer = nearer_copies(
+        mesh, [&](std::uint32_t v) { return field_.distance[v]; }, poll);
     std::uint64_t seen = mesh.face_count();
     for (const std::uint32_t v : mesh.vertex_of_source()) {
       if (poll.cancelled(seen++, total)) return false;
       if (v == kNone) continue;
-      from_[first_with(field_.distance[v])].vertices += 1;
+      from_[first_with(field_.distance[nearest_copy(nearer, v)])].vertices += 1;
     }
     return !poll.stopped();
   }

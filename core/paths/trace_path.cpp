@@ -19,16 +19,31 @@
 namespace geodesic {
 namespace {
 
-// A path is astray when it is longer than the target's distance by more than this factor: even the
-// way along edges, which is some tenths of a path's length too long on coarse meshes, may be
+// A path is astray when it is longer than the target's distance by more than this part of it: even
+// the way along edges, which is some tenths of a path's length too long on coarse meshes, may be
 // shorter.
-constexpr double kAstray = 1.05;
+constexpr double kAstray = 0.05;
 
 // A step costs from a tenth of a microsecond to some; a question, as much.
 constexpr std::uint32_t kStepsBetweenQuestions = 256;
 
 // Of a path that may enter faces again, besides four times those of one that may not.
 constexpr std::uint64_t kMostStepsAgain = 64;
+
+// Whether a path is longer than its target's distance by more than this part of it. Without the
+// source's offset, beside which no detour would be seen; but it has taken digits from the distance.
+bool is_longer_than_said(const Field& field, const Path& path, double distance, double part) {
+  const double offset = field.sources[path.source].offset;
+  const double rounding =
+      field.distance.are_floats() ? tolerance::kSinglePrecision : tolerance::kSameWay;
+  return path.length > (1 + part) * (distance - offset) + rounding * offset;
+}
+
+// Of two paths, which may have other sources.
+bool arrives_sooner(const Field& field, const Path& path, const Path& than) {
+  const double head_start = field.sources[than.source].offset - field.sources[path.source].offset;
+  return path.length - than.length < head_start;
+}
 
 // One straight piece of the path, going back: from `start` to `end` within a face.
 struct Leg {
@@ -278,14 +293,11 @@ class Tracer {
   // wider than it is high. The way along edges is better then.
   Result<std::optional<Path>> unless_astray(Path traced, const SurfacePoint& target) {
     if (!traits_of(field_.method).may_lead_astray) return traced;
-    const auto delayed = [&](const Path& path) {
-      return field_.sources[path.source].offset + path.length;
-    };
     const double expected = arrivals_.distance_at(target);
     if (poll_.stopped()) return fail_stopped(poll_);
-    if (!(delayed(traced) > kAstray * expected)) return traced;
+    if (!is_longer_than_said(field_, traced, expected, kAstray)) return traced;
     auto other = along_edges(target);
-    if (!other || (*other && delayed(**other) < delayed(traced))) return other;
+    if (!other || (*other && arrives_sooner(field_, **other, traced))) return other;
     return traced;
   }
 
@@ -379,12 +391,11 @@ Result<std::optional<Path>> trace_path(const Adjacency& adjacency, const Field& 
   Poll poll(cancel);
   const double stated = PointArrivals(adjacency, field, &poll).distance_at(target);
   if (poll.stopped()) return fail_stopped(poll);
-  const double length = field.sources[(*path)->source].offset + (*path)->length;
-  if (length <= stated * (1 + tolerance::kSamePath)) return path;
+  if (!is_longer_than_said(field, **path, stated, tolerance::kSamePath)) return path;
   const std::uint64_t most_steps = kMostStepsAgain + 4 * (*path)->points.size();
   auto again = Tracer(adjacency, field, cancel, most_steps).trace(target);
   if (!again) return again;
-  if (*again && field.sources[(*again)->source].offset + (*again)->length < length) return again;
+  if (*again && arrives_sooner(field, **again, **path)) return again;
   return path;
 }
 

@@ -33,6 +33,24 @@ std::uint64_t undirected(std::uint32_t a, std::uint32_t b) {
   return directed(std::min(a, b), std::max(a, b));
 }
 
+// Two points that are no farther apart are one. Twice kSnap, for one of the same place may have
+// been moved onto an edge.
+constexpr double kSamePoint = 2 * kSnap;
+
+// A cell of a grid, or one beside it. Cells are wider than kSamePoint.
+std::uint64_t cell_of(const Weights& weights, int across, int up) {
+  constexpr double kCells = 1U << 28U;
+  static_assert(kSamePoint * kCells < 1);
+  const Place2 place = place_of(weights);
+  const auto x = static_cast<std::int64_t>(std::floor(place.x * kCells)) + across;
+  const auto y = static_cast<std::int64_t>(std::floor(place.y * kCells)) + up;
+  return static_cast<std::uint64_t>(x) << 32U ^ static_cast<std::uint32_t>(y);
+}
+
+// A place that is deeper than that in one triangle is in no other: they overlap by no more than
+// rounding, which is far less.
+constexpr double kSurelyIn = 1e-12;
+
 }  // namespace
 
 FacePieces::FacePieces() {
@@ -96,34 +114,75 @@ std::uint32_t FacePieces::add_on_side(std::uint32_t side, double t) {
   return at;
 }
 
-std::uint32_t FacePieces::add_inside(const Weights& weights, Poll& poll) {
-  const Place2 p = place_of(weights);
-  for (std::uint32_t i = 0; i < points_.size() && !poll.cancelled(); ++i) {
-    // Twice, for one of the same place may have been moved onto an edge.
-    if (length_of(place_of(points_[i]) - p) <= 2 * kSnap) return i;
+std::uint32_t FacePieces::find_point(const Weights& weights) {
+  for (auto i = static_cast<std::uint32_t>(before_in_cell_.size()); i < points_.size(); ++i) {
+    const auto [at, is_first] = cells_.try_emplace(cell_of(points_[i], 0, 0), i);
+    before_in_cell_.push_back(is_first ? kNone : std::exchange(at->second, i));
   }
-  // The triangle that it is deepest in, and how far it is from that one's nearest edge.
-  std::uint32_t deepest = 0;
-  double depth = -2;
-  std::uint32_t nearest = 0;
-  for (std::uint32_t i = 0; i < triangles_.size() && !poll.cancelled(); ++i) {
-    double least = 2;
-    std::uint32_t side = 0;
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Place2 a = place_of(points_[triangles_[i][c]]);
-      const Place2 along = place_of(points_[triangles_[i][(c + 1) % 3]]) - a;
-      const double off = cross_of(along, p - a) / length_of(along);
-      if (off < least) {
-        least = off;
-        side = c;
+  std::uint32_t found = kNone;
+  for (const int across : {-1, 0, 1}) {
+    for (const int up : {-1, 0, 1}) {
+      const auto cell = cells_.find(cell_of(weights, across, up));
+      std::uint32_t i = cell == cells_.end() ? kNone : cell->second;
+      for (; i != kNone; i = before_in_cell_[i]) {
+        if (length_of(place_of(points_[i]) - place_of(weights)) <= kSamePoint) {
+          found = std::min(found, i);
+        }
       }
     }
-    if (least <= depth) continue;
-    depth = least;
-    deepest = i;
-    nearest = side;
   }
-  const Corners corners = triangles_[deepest];
+  return found;
+}
+
+FacePieces::Depth FacePieces::depth_in(std::uint32_t triangle, const Weights& weights) const {
+  Depth least{2, 0};
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const Place2 a = place_of(points_[triangles_[triangle][c]]);
+    const Place2 along = place_of(points_[triangles_[triangle][(c + 1) % 3]]) - a;
+    const double off = cross_of(along, place_of(weights) - a) / length_of(along);
+    if (off < least.off) least = {off, c};
+  }
+  return least;
+}
+
+std::uint32_t FacePieces::deepest_at(const Weights& weights, Poll& poll) const {
+  std::uint32_t deepest = 0;
+  double depth = -2;
+  for (std::uint32_t i = 0; i < triangles_.size() && !poll.cancelled(); ++i) {
+    const double off = depth_in(i, weights).off;
+    if (off <= depth) continue;
+    depth = off;
+    deepest = i;
+  }
+  return deepest;
+}
+
+std::uint32_t FacePieces::walk_to(const Weights& weights, Poll& poll) const {
+  std::uint32_t triangle = triangle_at_[last_inside_];
+  // Over triangles of any shape it may go round in circles.
+  for (std::size_t left = triangles_.size(); left > 0 && !poll.cancelled(); --left) {
+    const Depth depth = depth_in(triangle, weights);
+    if (depth.off > kSurelyIn) return triangle;
+    const Corners& corners = triangles_[triangle];
+    const std::uint32_t next = over(corners[(depth.side + 1) % 3], corners[depth.side]);
+    if (depth.off >= -kSurelyIn || next == kNone) break;
+    triangle = next;
+  }
+  return kNone;
+}
+
+std::uint32_t FacePieces::add_inside(const Weights& weights, Poll& poll) {
+  const std::uint32_t known = find_point(weights);
+  if (known != kNone) return last_inside_ = known;
+  const std::uint32_t near = walk_to(weights, poll);
+  const std::uint32_t deepest = near != kNone ? near : deepest_at(weights, poll);
+  return last_inside_ = split_at(weights, deepest);
+}
+
+std::uint32_t FacePieces::split_at(const Weights& weights, std::uint32_t triangle) {
+  const Place2 p = place_of(weights);
+  const auto [depth, nearest] = depth_in(triangle, weights);
+  const Corners corners = triangles_[triangle];
   const std::uint32_t u = corners[nearest];
   const std::uint32_t w = corners[(nearest + 1) % 3];
   if (depth <= kSnap && over(w, u) != kNone) {
@@ -139,7 +198,7 @@ std::uint32_t FacePieces::add_inside(const Weights& weights, Poll& poll) {
   const std::uint32_t at = add_point(weights);
   triangles_.resize(triangles_.size() + 2);
   const auto last = static_cast<std::uint32_t>(triangles_.size() - 1);
-  put(deepest, {corners[0], corners[1], at});
+  put(triangle, {corners[0], corners[1], at});
   put(last - 1, {corners[1], corners[2], at});
   put(last, {corners[2], corners[0], at});
   return at;

@@ -49,7 +49,23 @@ class FacePieces {
  private:
   using Corners = std::array<std::uint32_t, 3>;
 
+  // How far a place is inside the line of an edge: of a triangle's three, where that is least.
+  struct Depth {
+    double off;          // negative outside
+    std::uint32_t side;  // the edge, from its corner on
+  };
+
   std::uint32_t add_point(const Weights& weights);
+  // The first of the points that are so near to a place that they are there; kNone if none is.
+  std::uint32_t find_point(const Weights& weights);
+  [[nodiscard]] Depth depth_in(std::uint32_t triangle, const Weights& weights) const;
+  // The triangle that a place is deepest in.
+  std::uint32_t deepest_at(const Weights& weights, Poll& poll) const;
+  // The same, from triangle to triangle beginning at the point that was added last; kNone if it may
+  // be another for rounding, or is not come to.
+  std::uint32_t walk_to(const Weights& weights, Poll& poll) const;
+  // Adds a point in that triangle, or on its edge.
+  std::uint32_t split_at(const Weights& weights, std::uint32_t triangle);
   void put(std::uint32_t triangle, const Corners& corners);
   // The triangle that has this edge in this direction, or kNone.
   [[nodiscard]] std::uint32_t over(std::uint32_t from, std::uint32_t to) const;
@@ -71,6 +87,10 @@ class FacePieces {
   std::unordered_map<std::uint64_t, std::uint32_t> edges_;   // directed, to the triangle
   std::unordered_map<std::uint64_t, std::uint32_t> splits_;  // an edge that was, to its middle
   std::array<std::map<double, std::uint32_t>, 3> sides_;     // their points by part of the side
+  std::uint32_t last_inside_ = 0;                            // what add_inside returned last
+  // The first so many points by the cell of a grid, each with the one before it there.
+  std::unordered_map<std::uint64_t, std::uint32_t> cells_;
+  std::vector<std::uint32_t> before_in_cell_;
 };
 
 }  // namespace geodesic

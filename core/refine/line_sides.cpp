@@ -69,9 +69,9 @@ Result<LineSides> LineSides::find(const Adjacency& surface, const SurfacePolylin
   return sides;
 }
 
-bool LineSides::is_inside(const SurfacePoint& point) const {
+bool LineSides::is_inside(const SurfacePoint& point, Poll& poll) const {
   if (point.at_vertex()) return is_inside(point.vertex);
-  const auto piece = refinement_.in_piece(point.face, point.bary);
+  const auto piece = refinement_.in_piece(point.face, point.bary, poll);
   return (piece ? pieces_[piece->face] : whole_faces_[point.face]) != 0;
 }
 

@@ -28,8 +28,9 @@ class LineSides {
   // False on the line.
   [[nodiscard]] bool is_inside(std::uint32_t vertex) const { return vertices_[vertex] != 0; }
   [[nodiscard]] const std::vector<std::uint8_t>& vertices() const { return vertices_; }
-  // The same of any place; next to the line by less than kSnap it may be either.
-  [[nodiscard]] bool is_inside(const SurfacePoint& point) const;
+  // The same of any place; next to the line by less than kSnap it may be either. Of no use if the
+  // poll says to stop.
+  [[nodiscard]] bool is_inside(const SurfacePoint& point, Poll& poll) const;
 
   [[nodiscard]] std::size_t bytes() const {
     return vertices_.capacity() + whole_faces_.capacity() + pieces_.capacity() +

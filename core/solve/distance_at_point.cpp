@@ -100,9 +100,13 @@ Result<double> length_of_way(const Adjacency& adjacency, const Field& field,
   }
   least *= 1 + 4 * std::numeric_limits<double>::epsilon();
   if (!path) return least;
-  least = std::min(least, field.sources[path->source].offset + not_below_length(*path));
+  const double offset = field.sources[path->source].offset;
+  least = std::min(least, offset + not_below_length(*path));
   WaysToSources ways(adjacency, field, point, cancel);
-  if (least > kWrongSide * about && is_awkward(adjacency, field, point, about)) {
+  // Without the offset, beside which no way round would be seen; but it has taken digits from what
+  // the circles say.
+  const double most = offset + kWrongSide * (about - offset) + tolerance::kSinglePrecision * offset;
+  if (least > most && is_awkward(adjacency, field, point, about)) {
     auto along_edges = ways.from(path->source);
     if (!along_edges) return along_edges;
     least = std::min(least, *along_edges);

@@ -129,12 +129,15 @@ Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from, const Su
   FaceSet at_target(adjacency);
   at_target.add_about(to, poll);
   if (poll.stopped()) return fail_stopped(poll);
-  ExactPair search(adjacency, from, to, at_target, scratch);
+  // The offset only delays; beside it rounding would hide how long ways are.
+  const Source undelayed{from.point, 0};
+  ExactPair search(adjacency, undelayed, to, at_target, scratch);
   auto field = search.field(at_target.faces(), with_path ? cancel.part(0, kFirstField) : cancel);
   if (!field) return fail(std::move(field.error()));
-  Pair pair;
-  pair.distance = PointArrivals(adjacency, *field, &poll).distance_at(to);
+  const double over_surface = PointArrivals(adjacency, *field, &poll).distance_at(to);
   if (poll.stopped()) return fail_stopped(poll);
+  Pair pair;
+  pair.distance = from.offset + over_surface;
   if (!with_path || pair.distance == kUnreached) return pair;
   const auto rough = search.rough_path(std::move(*field), cancel);
   if (!rough) return fail(rough.error());
@@ -147,7 +150,7 @@ Result<Pair> exact_pair(const Adjacency& adjacency, const Source& from, const Su
     if (poll.stopped()) return fail_stopped(poll);
     auto path = search.path_by_windows(faces.faces(), cancel.part(kFirstField, 1));
     if (!path) return fail(std::move(path.error()));
-    if (*path && from.offset + (*path)->length <= pair.distance * (1 + tolerance::kSamePath)) {
+    if (*path && (*path)->length <= over_surface * (1 + tolerance::kSamePath)) {
       pair.path = std::move(*path);
       return pair;
     }

@@ -128,6 +128,10 @@ class PairSearch {
   // In the part of the surface that the path must be in.
   Result<Pair> in_patch(const Adjacency& adjacency, const Source& from, const SurfacePoint& to,
                         const Path& guess) {
+    // From a vertex to itself. It may be in no face, and then in no part of the surface.
+    if (guess.points.size() == 1) {
+      return Pair{from.offset, with_path() ? std::optional(guess) : std::nullopt};
+    }
     const auto shorter = shorten_path(adjacency, guess, cancel_);
     if (!shorter) return fail(shorter.error());
     const double longest = (1 + tolerance::kSamePath) * shorter->length;
@@ -143,8 +147,11 @@ class PairSearch {
     const auto patch = SurfacePatch::cut(adjacency, from.point, to, longest, cancel_);
     if (!patch) return fail(patch.error());
     if (patch->is_whole()) return by_field(adjacency, from, to, kUnreached);
-    auto pair = by_field(patch->adjacency(), {patch->inside(from.point), from.offset},
-                         patch->inside(to), kUnreached);
+    const std::optional<SurfacePoint> source = patch->inside(from.point);
+    const std::optional<SurfacePoint> target = patch->inside(to);
+    // Rounding may put a point so far out of its face that the face is not near enough.
+    if (!source || !target) return by_field(adjacency, from, to, kUnreached);
+    auto pair = by_field(patch->adjacency(), {*source, from.offset}, *target, kUnreached);
     if (pair && pair->path) patch->bring_back(*pair->path);
     return pair;
   }

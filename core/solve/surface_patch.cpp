@@ -43,8 +43,7 @@ Result<SurfacePatch> SurfacePatch::cut(const Adjacency& adjacency, const Surface
     if (is_near(f)) patch.faces_.push_back(f);
   }
   if (poll.stopped()) return fail_stopped(cancel);
-  if (patch.faces_.size() == mesh.face_count()) return patch;
-  // Both ends are vertices of faces of the patch, or else they have no path.
+  if (patch.faces_.empty() || patch.faces_.size() == mesh.face_count()) return patch;
   TriangleSoup soup;
   std::vector<std::uint32_t> number(mesh.vertex_count(), kNone);
   for (const std::uint32_t f : patch.faces_) {
@@ -68,14 +67,20 @@ Result<SurfacePatch> SurfacePatch::cut(const Adjacency& adjacency, const Surface
   return patch;
 }
 
-SurfacePoint SurfacePatch::inside(const SurfacePoint& point) const {
+std::optional<SurfacePoint> SurfacePatch::inside(const SurfacePoint& point) const {
   const Mesh& mesh = adjacency_->mesh();
   if (!point.at_vertex()) {
-    const auto f = std::lower_bound(faces_.begin(), faces_.end(), point.face) - faces_.begin();
-    return {mesh.face_of_source(static_cast<std::uint32_t>(f)), point.bary, kNone};
+    const auto at = std::lower_bound(faces_.begin(), faces_.end(), point.face);
+    if (at == faces_.end() || *at != point.face) return std::nullopt;
+    const auto source = static_cast<std::uint32_t>(at - faces_.begin());
+    const std::uint32_t f = mesh.face_of_source(source);
+    return f == kNone ? std::nullopt : std::optional(SurfacePoint{f, point.bary, kNone});
   }
-  const auto v = std::find(vertices_.begin(), vertices_.end(), point.vertex) - vertices_.begin();
-  return point_at_vertex(*adjacency_, mesh.vertex_of_source()[static_cast<std::size_t>(v)]);
+  const auto at = std::find(vertices_.begin(), vertices_.end(), point.vertex);
+  if (at == vertices_.end()) return std::nullopt;
+  const auto source = static_cast<std::size_t>(at - vertices_.begin());
+  const std::uint32_t v = mesh.vertex_of_source()[source];
+  return v == kNone ? std::nullopt : std::optional(point_at_vertex(*adjacency_, v));
 }
 
 void SurfacePatch::bring_back(Path& path) const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -24,13 +25,14 @@ class SurfacePatch {
                                                 const SurfacePoint& from, const SurfacePoint& to,
                                                 double longest, const Cancel& cancel);
 
-  // Not when there are as many faces as on the whole surface.
+  // Nothing was cut out: the patch would have all of the surface's faces, or none.
   [[nodiscard]] bool is_whole() const { return adjacency_ == nullptr; }
   // Only if it is not whole.
   [[nodiscard]] const Adjacency& adjacency() const { return *adjacency_; }
 
-  // A point of the surface that lies in the patch, there.
-  [[nodiscard]] SurfacePoint inside(const SurfacePoint& point) const;
+  // A point of the surface, there. Nothing if no face of the patch has it, as none has a vertex
+  // that is in no face. Only if it is not whole.
+  [[nodiscard]] std::optional<SurfacePoint> inside(const SurfacePoint& point) const;
   // A path over the patch, on the whole surface.
   void bring_back(Path& path) const;
 

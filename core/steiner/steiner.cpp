@@ -328,18 +328,27 @@ Result<Field> search(const Adjacency& adjacency, std::span<const Source> sources
   std::optional<Goal> goal;
   if (goal_point != nullptr) goal.emplace(adjacency, graph, sources.front(), *goal_point, poll);
   RemainingTargets targets(limits.targets, vertex_count, scratch.is_target);
+  // Without details no point inside a face is asked for.
+  const double beyond = limits.keep_details ? limits.beyond_targets : 0;
+  double end = limits.max;
+  bool is_at_targets = false;
   std::uint64_t accepted = 0;
-  while (!heap.empty() && !targets.done()) {
+  while (!heap.empty()) {
     if (poll.cancelled(accepted++, graph.node_count())) {
       return fail_stopped(cancel);
     }
     const VertexHeap::Entry next = heap.pop();
-    if (next.key > limits.max || (goal && next.key > goal->best())) {
+    if (next.key > end || (goal && next.key > goal->best())) {
       front.forget(next.vertex);
       break;
     }
     if (next.vertex < vertex_count) targets.accept(next.vertex);
     if (goal) goal->accept(next.vertex, next.key);
+    if (targets.done() && !is_at_targets) {
+      if (!(beyond > 0)) break;
+      is_at_targets = true;
+      end = std::min(end, next.key + beyond);
+    }
     front.spread_from(next.vertex, next.key);
   }
   for (const VertexHeap::Entry& entry : heap.entries()) {

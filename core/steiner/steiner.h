@@ -44,7 +44,10 @@ struct EdgeNumbers {
 // Lanthier, Maheshwari, Sack, "Approximating weighted shortest paths on polyhedral surfaces", SCG
 // 1997. Each is that of a way in the graph, so never below the least there is. It is above it by no
 // more than the sum over the edges that the cheapest way crosses of their spacing times the greater
-// of the weights beside them, where there are no slopes. Errors: cancelled; value_out_of_range
+// of the weights beside them, where there are no slopes.
+// With targets and details, the field goes on by limits.beyond_targets, in its own unit. What it
+// comes to there keeps its distance, vertices too: of points in the targets' faces it then says
+// what a whole field does, and has the same ways. Errors: cancelled; value_out_of_range
 // ("points_per_edge") when there is no point or there are more nodes than kMaxSteinerNodes.
 [[nodiscard]] Result<Field> steiner_field(const Adjacency& adjacency,
                                           std::span<const Source> sources,

@@ -176,9 +176,11 @@ void StripGraph::gather_faces(Poll& poll) {
       if (!is_repeated(place.face)) join(number_of(place.face), end);
     }
   }
-  for (const auto& [face, f] : number_of_face_) {
+  // In the order in which faces were numbered, not in that of a hash: of ways as short as each
+  // other the one that is found depends on it.
+  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
     if (poll.cancelled()) return;
-    for (const std::uint32_t v : adjacency_.face(face).vertex) {
+    for (const std::uint32_t v : adjacency_.face(faces_[f]).vertex) {
       const auto node = node_of_vertex_.find(v);
       if (node != node_of_vertex_.end()) join(f, node->second);
     }

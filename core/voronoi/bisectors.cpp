@@ -63,7 +63,7 @@ class BisectorTracer {
   Result<Bisectors> trace() {
     const std::uint32_t faces = adjacency_.mesh().face_count();
     for (std::uint32_t f = 0; f < faces; ++f) {
-      if (poll_.cancelled(f, faces)) return fail_stopped(poll_);
+      if (poll_.cancelled_after(1, f, faces)) return fail_stopped(poll_);
       for (const CellPart& part : face_cells_.parts_of(f, poll_)) add(f, part);
       if (near_.owner(f) != kNone) add_borders(f);
       if (poll_.stopped()) return fail_stopped(poll_);

@@ -44,8 +44,8 @@ struct Bisectors {
 // surface does, and at edges with three faces or more, where several of them meet. So do those
 // along the common border of sites that are faces, at whose ends there is no VoronoiVertex.
 //
-// O(f + s log s) for f faces and s segments. Errors: cancelled; too_large (more segments than
-// `max_segments`).
+// O(f + s log s) for f faces and s segments, and what it takes to divide the faces (face_cells.h).
+// Errors: cancelled; too_large (more segments than `max_segments`).
 [[nodiscard]] Result<Bisectors> trace_bisectors(const Adjacency& adjacency, const NearSites& near,
                                                 std::uint64_t max_segments,
                                                 std::span<VoronoiCell> cells, const Cancel& cancel);

@@ -41,7 +41,8 @@ class CellMeasure {
     each_part([&](std::uint32_t f, const CellPart& part) { approach(f, part); });
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (cells_[i].is_empty() || poll_.stopped()) continue;
-      cells_[i].centroid = point_on_face(adjacency_, place_[i].face, place_[i].bary);
+      // It may be a source next (relax_sites).
+      cells_[i].centroid = snapped_point(adjacency_, place_[i].face, place_[i].bary);
     }
     count_vertices();
     return std::move(cells_);
@@ -52,7 +53,7 @@ class CellMeasure {
   void each_part(Visit visit) {
     FaceCells face_cells(adjacency_, near_);
     for (std::uint32_t f = 0; f < adjacency_.mesh().face_count(); ++f) {
-      if (poll_.cancelled(seen_++, total_)) return;
+      if (poll_.cancelled_after(1, seen_++, total_)) return;
       for (const CellPart& part : face_cells.parts_of(f, poll_)) visit(f, part);
       if (poll_.stopped()) return;
     }

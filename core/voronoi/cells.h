@@ -28,7 +28,8 @@ struct VoronoiCell {
 };
 
 // Area, vertices, mean and centroid of each of `sites` cells. The areas add up to that of all faces
-// whose corners are reached. O(f) for f faces. Errors: cancelled.
+// whose corners are reached. O(f) for f faces, and what it takes to divide them (face_cells.h).
+// Errors: cancelled.
 //
 // The centroid is the constrained mass centroid of Du, Gunzburger, Ju 2003, "Constrained
 // centroidal Voronoi tessellations for surfaces", SIAM Journal on Scientific Computing 24(5): of

@@ -342,8 +342,8 @@ std::span<const CellPart> FaceCells::parts_of(std::uint32_t f, Poll& poll) {
     part.corners.clear();
     bool is_left = true;
     for (const Candidate& by : candidates_) {
-      if (poll.cancelled()) return {};
       if (by.site == own.site) continue;
+      if (poll.cancelled_after(part.sides.size())) return {};
       is_left = cut(part, own, by);
       if (!is_left) break;
     }

@@ -74,7 +74,9 @@ class FaceCells {
       : adjacency_(adjacency), near_(near) {}
 
   // Of all sites that have any, ascending; nothing where a corner is unreached. Until the next
-  // call. O(k^2) for k sites that are near; of no use if the poll says to stop.
+  // call. Of k sites that are near each is cut by each, in as many steps as its part has sides so
+  // far: O(k^2) where these are few, and O(k^3) where many sites lie on a circle round many. Of no
+  // use if the poll says to stop.
   [[nodiscard]] std::span<const CellPart> parts_of(std::uint32_t face, Poll& poll);
 
   // Positive if the cells of these three, ascending, lie round the point where they meet in the

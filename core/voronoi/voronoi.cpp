@@ -85,7 +85,7 @@ Result<void> each_cell_triangle(const Adjacency& adjacency, const NearSites& nea
   FaceCells face_cells(adjacency, near);
   const std::uint32_t faces = adjacency.mesh().face_count();
   for (std::uint32_t f = 0; f < faces; ++f) {
-    if (poll.cancelled(f, faces)) return fail_stopped(poll);
+    if (poll.cancelled_after(1, f, faces)) return fail_stopped(poll);
     for (const CellPart& part : face_cells.parts_of(f, poll)) {
       const auto at = [&](std::size_t i) {
         return position_in_face(adjacency, f, part.corners[i]);

@@ -32,8 +32,15 @@ std::string_view unit_of(const Costs& costs) {
 }
 
 std::string canonical_text(const Costs& costs) {
-  std::string text("faces");
-  for (const double weight : costs.face_weights) append_text(text, " ", weight);
+  std::string text;
+  if (!costs.weight_attribute.empty()) {
+    // With its length, so that it cannot pass for what follows.
+    text += "attribute " + std::to_string(costs.weight_attribute.size()) + ':';
+    text += costs.weight_attribute;
+  } else {
+    text += "faces";
+    for (const double weight : costs.face_weights) append_text(text, " ", weight);
+  }
   for (const WeightedRegion& region : costs.weights) {
     append_text(text, " weight ", region.weight);
     text += ' ';

@@ -34,7 +34,10 @@ struct Costs {
 
   // Whether ways cost what they are long.
   [[nodiscard]] bool are_lengths() const;
-  [[nodiscard]] bool have_weights() const { return !face_weights.empty() || !weights.empty(); }
+  // Those of the file count before they are read, too.
+  [[nodiscard]] bool have_weights() const {
+    return !face_weights.empty() || !weight_attribute.empty() || !weights.empty();
+  }
   [[nodiscard]] NamedOfFile named_of_file() const;
 };
 
@@ -42,7 +45,9 @@ struct Costs {
 // mesh units if there is no slope, or else "cost", in the unit of the client's table.
 [[nodiscard]] std::string_view unit_of(const Costs& costs);
 
-// The same for two that ask the same of the same shapes in the same order, and for nothing else.
+// Of one mesh, the same for two that ask the same of the same shapes in the same order, and for
+// nothing else. Weights of the file go by their attribute: mesh and name decide them, and they may
+// be as many as the mesh has faces.
 [[nodiscard]] std::string canonical_text(const Costs& costs);
 
 }  // namespace geodesic::proto

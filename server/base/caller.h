@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <concepts>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -45,6 +46,10 @@ struct Caller {
   // Told, by whichever thread computes, which part is done, 0 to 1; may be empty. Who
   // computes in several steps need not take care that it never falls.
   std::function<void(double)> progress;
+  // Counts so many bytes as held for it until what is returned is gone, for what it holds beyond
+  // the compute slot that made it; may be empty: nobody counts. Called by one thread at a time.
+  // Errors: too_much_memory, overloaded, too_many_requests.
+  std::function<Result<std::shared_ptr<const void>>(std::uint64_t bytes)> reserve;
   bool is_patient = false;  // waits for its turn however long that takes
   // What it asks for ends a request that has had its turn: it does not wait for another one.
   bool is_finishing = false;

@@ -9,7 +9,9 @@
 // same missing key, one runs `make` and the others wait for its result. A
 // failed `make` is not cached; every waiter gets the same error, except that
 // when the maker was told to stop (`cancelled`, `deadline`) one of the waiters
-// makes it in its stead: that a client hung up is nobody else's error. Who waits
+// makes it in its stead: that a client hung up is nobody else's error. Nor is
+// `too_many_requests`, which is of one client. `overloaded` is that of all who
+// may not wait for long, and only who is patient goes on. Who waits
 // is asked every 50 ms whether it still wants to. `make` may throw; then the
 // exception reaches the caller that ran it and a waiter takes over likewise. An
 // erase during a flight lets the flight finish for those who wait, but keeps its
@@ -132,6 +134,14 @@ class LruCache {
     std::condition_variable landed;
   };
 
+  // Whether it is an error that the maker got for what it is, and the waiter might not.
+  static bool is_only_its_makers(const Result<Pointer>& result, const Caller& waiter) {
+    if (result) return false;
+    const ErrorCode code = result.error().code;
+    return code == ServiceCode::too_many_requests ||
+           (code == ServiceCode::overloaded && waiter.is_patient);
+  }
+
   Pointer find_locked(const std::string& key);
   // Ends a flight; `result` empty: the maker threw. `bytes` is the value's size.
   void land(const std::string& key, const std::shared_ptr<Flight>& flight,
@@ -190,7 +200,7 @@ auto LruCache<Value>::get_or_create(const std::string& key, Make&& make, const C
         lock.lock();
         if (given_up && !flight->done) return fail(caller.why_stopped());
       }
-      if (!flight->abandoned) {
+      if (!flight->abandoned && !is_only_its_makers(*flight->result, caller)) {
         if (!*flight->result) return fail(flight->result->error());
         return Lookup{flight->result->value(), false};
       }

@@ -273,7 +273,9 @@ HttpResponse Jobs::reply_to(Job& job) {
         chunk.clear();
       }
       if (reply.broken && *reply.broken) return HttpResponse::problem(**reply.broken, job.request);
+      // Both keep what the rows came from, which is not in the job's bytes.
       reply.stream = nullptr;
+      reply.broken = nullptr;
       reply.body = std::make_shared<const std::string>(std::move(body));
     }
     if (!reply.body || reply.body->size() <= most) return reply;

@@ -7,6 +7,27 @@
 #include "server/base/service_codes.h"
 
 namespace geodesic::server {
+namespace {
+
+// Gives back to a share what it has taken of it.
+class PartOfShare {
+ public:
+  explicit PartOfShare(std::shared_ptr<ReplyBudget::Share> share) : share_(std::move(share)) {}
+  ~PartOfShare() { share_->shrink(share_->bytes() - bytes_); }
+  PartOfShare(const PartOfShare&) = delete;
+  PartOfShare& operator=(const PartOfShare&) = delete;
+  [[nodiscard]] Result<void> take(std::uint64_t bytes) {
+    auto grown = share_->grow(bytes);
+    if (grown) bytes_ += bytes;
+    return grown;
+  }
+
+ private:
+  const std::shared_ptr<ReplyBudget::Share> share_;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace
 
 struct ReplyBudget::Account {
   explicit Account(std::uint64_t bytes)
@@ -57,6 +78,13 @@ auto ReplyBudget::reserve(std::uint64_t bytes, const std::string& client)
 
 auto ReplyBudget::share_of_nothing(const std::string& client) -> std::shared_ptr<Share> {
   return std::make_shared<Share>(account_, client);
+}
+
+auto ReplyBudget::take_part(const std::shared_ptr<Share>& share, std::uint64_t bytes)
+    -> Result<std::shared_ptr<const void>> {
+  const auto part = std::make_shared<PartOfShare>(share);
+  if (auto taken = part->take(bytes); !taken) return fail(std::move(taken.error()));
+  return part;
 }
 
 void ReplyBudget::set_budget(std::uint64_t bytes) { account_->shares.set_most(bytes); }

@@ -1,6 +1,6 @@
 // The memory of large replies, from before they are made until they are sent: asked for first,
-// so that many at once are refused and do not fill the memory, and no client holds all of it.
-// Small ones are not counted.
+// so that many at once are refused and do not fill the memory, and no client holds all of it. What
+// a query starts from counts here, too (Caller::reserve). Small ones are not counted.
 #pragma once
 
 #include <cstdint>
@@ -54,6 +54,9 @@ class ReplyBudget {
                                                        const std::string& client);
   // For a reply that asks for its memory in steps.
   [[nodiscard]] std::shared_ptr<Share> share_of_nothing(const std::string& client);
+  // So many bytes more of a share, until what is returned is gone. Errors: those of Share::grow.
+  [[nodiscard]] static Result<std::shared_ptr<const void>> take_part(
+      const std::shared_ptr<Share>& share, std::uint64_t bytes);
 
   // For replies to come.
   void set_budget(std::uint64_t bytes);

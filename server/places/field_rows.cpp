@@ -118,15 +118,43 @@ Result<FieldSources> FieldRows::of(std::size_t row, SolveScratch& scratch,
 }
 
 std::size_t FieldRows::bytes() const {
-  std::size_t bytes = points_.capacity() * sizeof(Source);
+  std::size_t bytes = points_.capacity() * sizeof(Source) + bytes_of_outlines();
   std::unordered_set<const FieldSources*> counted;  // rows may share them
   for (const auto& [row, line] : lines_) {
     bytes += sizeof(Line);
+    if (const auto* faces = std::get_if<proto::FacesRequest>(&line.faces.where)) {
+      bytes += faces->shape.capacity();
+    }
     if (line.kept && counted.insert(line.kept.get()).second) bytes += line.kept->bytes();
-    const FieldSources* border = line.outline ? line.outline->lines.get() : nullptr;
-    if (border != nullptr && counted.insert(border).second) bytes += line.outline->bytes();
   }
   return bytes;
+}
+
+std::size_t FieldRows::bytes_of_outlines() const {
+  std::size_t bytes = 0;
+  std::unordered_set<const Outline*> counted;
+  for (const auto& [row, line] : lines_) {
+    const Outline* outline = line.outline.get();
+    if (outline == nullptr || outline->lines == line.kept) continue;
+    if (counted.insert(outline).second) bytes += outline->bytes();
+  }
+  return bytes;
+}
+
+Result<void> FieldRows::reserve(const Caller& caller) {
+  const std::size_t of_outlines = bytes_of_outlines();
+  auto reserved = reserve_lines(caller, bytes() - of_outlines);
+  if (!reserved) return fail(std::move(reserved.error()));
+  auto outlines_reserved = reserve_lines(caller, of_outlines);
+  if (!outlines_reserved) return fail(std::move(outlines_reserved.error()));
+  reserved_ = std::move(*reserved);
+  outlines_reserved_ = std::move(*outlines_reserved);
+  return {};
+}
+
+void FieldRows::drop_outlines() {
+  for (auto& [row, line] : lines_) line.outline = nullptr;
+  outlines_reserved_ = nullptr;
 }
 
 }  // namespace geodesic::server

@@ -16,6 +16,7 @@
 #include "core/surface/point.h"
 #include "proto/replies/replies.h"
 #include "proto/wire/point_request.h"
+#include "server/base/caller.h"
 #include "server/places/field_sources.h"
 
 namespace geodesic::server {
@@ -68,7 +69,16 @@ class FieldRows {
 
   [[nodiscard]] std::size_t bytes() const;
 
+  // Has its memory counted for as long as it is held: to be called in the slot that has made it.
+  // Errors: those of reserve_lines.
+  [[nodiscard]] Result<void> reserve(const Caller& caller);
+  // Once nobody asks for distances to them any more. From then on there are none.
+  void drop_outlines();
+
  private:
+  // Without the lines of those that are kept in any case.
+  [[nodiscard]] std::size_t bytes_of_outlines() const;
+
   struct Line {
     std::shared_ptr<const FieldSources> kept;
     proto::PointRequest faces;  // if it is not kept
@@ -78,6 +88,8 @@ class FieldRows {
   std::shared_ptr<const SourceSurface> surface_;
   std::vector<Source> points_;                   // by row; of no use where that is no point
   std::unordered_map<std::size_t, Line> lines_;  // by row
+  std::shared_ptr<const void> reserved_;         // for all but the outlines
+  std::shared_ptr<const void> outlines_reserved_;
 };
 
 }  // namespace geodesic::server

@@ -10,6 +10,7 @@
 #include "proto/region/cut_regions.h"
 #include "proto/region/read_regions.h"
 #include "proto/wire/query_limits.h"
+#include "server/base/service_codes.h"
 #include "server/base/sha256.h"
 #include "server/places/resolve_point.h"
 
@@ -55,6 +56,18 @@ std::string key_of_lines(const FieldSources& from, Poll& poll) {
 }
 
 }  // namespace
+
+Result<std::shared_ptr<const void>> reserve_lines(const Caller& caller, std::uint64_t bytes) {
+  constexpr std::uint64_t kLittle = std::uint64_t{64} << 10;
+  if (!caller.reserve || bytes <= kLittle) return nullptr;
+  auto reserved = caller.reserve(bytes);
+  if (!reserved && reserved.error().code == ServiceCode::too_much_memory) {
+    reserved.error().detail =
+        "the curves, boundaries and faces of this request take more memory than the server has for "
+        "replies; name fewer of them at once";
+  }
+  return reserved;
+}
 
 std::size_t count_points(const proto::PointRequest& request) {
   if (request.is_point()) return 1;

@@ -23,15 +23,18 @@
 #include "proto/region/region.h"
 #include "proto/replies/replies.h"
 #include "proto/wire/point_request.h"
+#include "server/base/caller.h"
 
 namespace geodesic::server {
 
 // What a field starts from. Where that is lines and faces, too, `points` has the ends of these as
-// well, and `key` is what caches know them by.
+// well, and `key` is what caches know them by. `reserved` has their memory counted (reserve_lines)
+// for as long as they are held; null: it is not.
 struct FieldSources {
   std::vector<Source> points;
   std::shared_ptr<const SourceLines> lines;
   std::string key;
+  std::shared_ptr<const void> reserved = nullptr;
 
   [[nodiscard]] std::size_t bytes() const {
     return points.capacity() * sizeof(Source) + (lines ? lines->bytes() : 0);
@@ -56,6 +59,12 @@ struct SourceSurface {
 [[nodiscard]] bool is_all_points(std::span<const proto::PointRequest> requests);
 // That of a request of faces. Errors: those of parse_json_shape.
 [[nodiscard]] Result<proto::Shape> shape_in(const proto::PointRequest& request);
+
+// Has what lines take counted until what is returned is gone: a query holds them while it waits for
+// its fields, when no slot counts them any more. Null where that is little, or nobody counts.
+// Errors: those of Caller::reserve.
+[[nodiscard]] Result<std::shared_ptr<const void>> reserve_lines(const Caller& caller,
+                                                                std::uint64_t bytes);
 
 // Adds one thing after the other to what a field starts from, in a compute slot. One builder makes
 // the sources of one query, whose limits it counts.

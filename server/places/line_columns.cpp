@@ -51,6 +51,12 @@ void LineColumns::put(const Line& column, std::uint32_t row, double distance) {
   }
 }
 
+void LineColumns::let_go() {
+  lines_ = {};
+  point_rows_ = {};
+  rows_ = nullptr;
+}
+
 std::vector<double> LineColumns::whole_row(std::size_t row,
                                            std::span<const double> at_points) const {
   std::vector<double> whole;

@@ -27,7 +27,7 @@ class LineColumns {
     std::vector<std::uint32_t> columns;  // likewise, counted among those that are lines
   };
 
-  // Both with outlines. They are referred to until the entries are there.
+  // Both with outlines. They are referred to until `let_go`.
   LineColumns(const FieldRows& rows, const FieldRows& columns);
 
   // Each once, by ascending keys.
@@ -45,6 +45,8 @@ class LineColumns {
   // once.
   void put(const Line& one, const Line& other, double distance);
   void put(const Line& column, std::uint32_t row, double distance);
+  // The entries are there, and the lines not needed any more: from then on there are none.
+  void let_go();
 
   // The columns that are points, in their order.
   [[nodiscard]] const std::vector<SurfacePoint>& points() const { return points_; }

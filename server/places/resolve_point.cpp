@@ -79,7 +79,7 @@ tl::unexpected<Error> not_left(const std::string& parameter) {
 }
 
 Result<PlacedPoint> on_face(const Split& surface, const proto::FaceRequest& request,
-                            const std::string& parameter) {
+                            const std::string& parameter, const Cancel& cancel) {
   const Mesh& mesh = surface.mesh();
   if (request.face >= mesh.source_face_count()) {
     return fail_limit(ErrorCode::index_out_of_range, "the mesh has no such face",
@@ -94,7 +94,9 @@ Result<PlacedPoint> on_face(const Split& surface, const proto::FaceRequest& requ
   if (surface.refinement == nullptr || !surface.refinement->is_split(source)) {
     return surface.placed(snapped_point(surface.adjacency, face, request.bary));
   }
-  const auto part = surface.refinement->in_piece(source, request.bary);
+  Poll poll(cancel);
+  const auto part = surface.refinement->in_piece(source, request.bary, poll);
+  if (poll.stopped()) return fail_stopped(poll);
   if (!part) return not_left(parameter);
   return surface.placed(snapped_point(surface.adjacency, part->face, part->bary));
 }
@@ -166,7 +168,7 @@ Result<PlacedPoint> resolve_point(const Adjacency& adjacency, const Refinement* 
     return at_vertex(surface, vertex->vertex, request.parameter);
   }
   if (const auto* face = std::get_if<proto::FaceRequest>(&request.where)) {
-    return on_face(surface, *face, request.parameter);
+    return on_face(surface, *face, request.parameter, cancel);
   }
   if (const auto* ray = std::get_if<proto::RayRequest>(&request.where)) {
     return first_on_ray(surface, *index, *ray, request.parameter, cancel);

@@ -24,7 +24,7 @@ struct PlacedPoint {
 // long as a vertex has faces, so it belongs into a compute slot, too.
 [[nodiscard]] bool is_on_dropped_face(const Mesh& mesh, const proto::PointRequest& request);
 
-// Whether it lies on a face that lines have split: its parts are looked through one by one, so it
+// Whether it lies on a face that lines have split: the part that has it is searched for, so it
 // belongs into a compute slot, too. `refinement`: null where no face is split.
 [[nodiscard]] bool is_on_split_face(const Refinement* refinement,
                                     const proto::PointRequest& request);

@@ -243,12 +243,12 @@ Result<Answered<proto::DistanceReply>> FieldQueries::answer(const AskedSurface& 
     if (!found) return fail(std::move(found.error()));
     answer.cache_hit = found->hit;
     reply.distances = std::move(found->distances);
-    for (std::size_t i = 0; sides != nullptr && i < at->size(); ++i) {
-      reply.distances[i] = with_sign(reply.distances[i], sides->is_inside((*at)[i]));
-    }
     if (request.labels) reply.labels = std::move(found->labels);
     const Cancel cancel(std::cref(caller));
     Poll poll(cancel);
+    for (std::size_t i = 0; sides != nullptr && i < at->size() && !poll.cancelled(); ++i) {
+      reply.distances[i] = with_sign(reply.distances[i], sides->is_inside((*at)[i], poll));
+    }
     summarise(reply, poll);
     if (poll.stopped()) return fail(caller.why_stopped());
   }
@@ -272,9 +272,9 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
   const bool has_lines = !is_all_points(request.to.empty() ? request.from : request.to);
   auto rows = place->rows(request.from, reply.rows, reply.warnings, has_lines);
   if (!rows) return fail(std::move(rows.error()));
-  const auto columns =
+  auto columns =
       request.to.empty() ? rows : place->rows(request.to, reply.columns, reply.warnings, has_lines);
-  if (!columns) return fail(columns.error());
+  if (!columns) return fail(std::move(columns.error()));
   if (request.to.empty()) reply.columns = reply.rows;
 
   FieldQuestion question{surface.field_key(),
@@ -283,6 +283,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
                          {},
                          limit_of(request.method, request.max),
                          place->cost()};
+  const std::size_t column_count = columns->size();
   std::vector<SurfacePoint> points = columns->points();
   std::shared_ptr<LineColumns> lines;
   double done = 0;
@@ -299,6 +300,10 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
     if (!filled) return fail(std::move(filled.error()));
     hit = *filled;
     rest.is_patient = true;
+    // Of lines, the entries are all that is needed from here on; a stream would hold them long.
+    lines->let_go();
+    *columns = FieldRows();
+    rows->drop_outlines();
   }
   if (request.stream || request.sparse) {
     auto ready = begin_rows(std::move(question), std::move(*rows), std::move(points),
@@ -318,7 +323,7 @@ Result<Answered<proto::TableReply>> FieldQueries::answer(const AskedSurface& sur
     reply.distances = std::move(table.distances);
     return answer;
   }
-  reply.distances.reserve(rows->size() * columns->size());
+  reply.distances.reserve(rows->size() * column_count);
   for (std::size_t row = 0; row < rows->size(); ++row) {
     const auto whole = lines->whole_row(
         row, std::span(table.distances).subspan(row * points.size(), points.size()));

@@ -69,7 +69,12 @@ Result<FieldSources> FieldQueries::Place::sources(const std::vector<proto::Point
           }
           next += count;
         }
-        return builder.take();
+        auto made = builder.take();
+        if (!made) return made;
+        auto reserved = reserve_lines(caller_, made->bytes());
+        if (!reserved) return fail(std::move(reserved.error()));
+        made->reserved = std::move(*reserved);
+        return made;
       },
       caller_.part(0, 0));
 }
@@ -91,9 +96,14 @@ Result<FieldRows> FieldQueries::Place::rows(const std::vector<proto::PointReques
   const auto surface = std::make_shared<const SourceSurface>(std::move(*made));
   std::vector<proto::ResolvedPoint> lines;
   auto rows = queries_.fields_.compute(
-      [&](SolveScratch& scratch, const Cancel& cancel) {
+      [&](SolveScratch& scratch, const Cancel& cancel) -> Result<FieldRows> {
         lines.clear();  // it may be run again
-        return FieldRows::make(surface, requests, *found, lines, outlines, scratch, cancel);
+        auto apart = FieldRows::make(surface, requests, *found, lines, outlines, scratch, cancel);
+        if (!apart) return apart;
+        if (auto reserved = apart->reserve(caller_); !reserved) {
+          return fail(std::move(reserved.error()));
+        }
+        return apart;
       },
       caller_.part(0, 0));
   if (!rows) return fail(std::move(rows.error()));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <string_view>
 
 #include "core/field/around_points.h"
 #include "core/field/longest_edge.h"
@@ -16,6 +17,7 @@
 #include "core/steiner/steiner.h"
 #include "proto/wire/number.h"
 #include "server/base/joint_caller.h"
+#include "server/base/sha256.h"
 #include "server/base/timed.h"
 #include "server/places/read_line.h"
 
@@ -31,7 +33,7 @@ bool is_for_points_alone(const FieldQuestion& question, Details details) {
 }
 
 // The question spelt out; two spellings of one point are one key.
-std::string key_of(const FieldQuestion& question, Details details) {
+std::string spelt_out(const FieldQuestion& question, Details details) {
   std::string key = question.surface + "/" + proto::field_key(question.method) + "/";
   // Fields from lines have their strips besides, by any method.
   const bool has_details = question.from.lines || traits_of(question.method.which).has_details();
@@ -53,6 +55,18 @@ std::string key_of(const FieldQuestion& question, Details details) {
       proto::append_number(key, source.offset);
     }
   }
+  return key;
+}
+
+// What the cache knows a field by. A long question is known by its digest, lest keys, which the
+// cache does not count, take more memory than fields. What it begins with stays: a mesh's fields
+// are forgotten by that.
+std::string key_of(const FieldQuestion& question, Details details) {
+  constexpr std::size_t kLongestKey = 512;
+  std::string key = spelt_out(question, details);
+  if (key.size() <= kLongestKey) return key;
+  const std::size_t begin = question.surface.size() + 1;
+  key.replace(begin, std::string::npos, sha256_hex(std::string_view(key).substr(begin)));
   return key;
 }
 

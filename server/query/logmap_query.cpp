@@ -85,6 +85,7 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const AskedSurface& su
   const auto field = fields_.whole(question, Details::kept, caller.part(0, kFieldOfLogmap));
   if (!field) return fail(field.error());
   answer.cache_hit = field->hit;
+  const Caller mapper = caller.part(kFieldOfLogmap, 1);
   auto found = fields_.compute(
       [&](SolveScratch&, const Cancel& cancel) -> Result<LogMap> {
         const Timed tracing(caller, Stage::trace);
@@ -96,7 +97,7 @@ Result<Answered<proto::LogmapReply>> FieldQueries::answer(const AskedSurface& su
         if (poll.stopped()) return fail_stopped(poll);
         return map;
       },
-      caller.part(kFieldOfLogmap, 1));
+      field->hit ? mapper : mapper.finishing());
   if (!found) return fail(std::move(found.error()));
   reply.total_angle = found->total_angle;
   reply.all_round = found->all_round;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/field/longest_edge.h"
+#include "core/field/nearest_copies.h"
 #include "core/paths/discs.h"
 #include "core/paths/strips.h"
 #include "proto/wire/query_limits.h"
@@ -18,14 +19,17 @@ namespace {
 // The part of the time that the field takes, before the discs.
 constexpr double kFieldOfMeasure = 0.8;
 
-// The first of the client's vertices that are farthest, but no farther than `most`.
+// The first of the client's vertices that are farthest, but no farther than `most`. One at a wall
+// is as far as the nearer of its sides.
 Result<void> find_farthest(const Mesh& mesh, const Field& field, double most,
                            proto::MeasureReply& reply, const Cancel& cancel) {
   Poll poll(cancel);
+  const auto nearer = nearer_copies(
+      mesh, [&](std::uint32_t v) { return field.distance[v]; }, poll);
   for (std::uint32_t v = 0; v < mesh.source_vertex_count(); ++v) {
     if (poll.cancelled()) return fail_stopped(poll);
     const std::uint32_t vertex = mesh.vertex_of_source()[v];
-    const double d = vertex == kNone ? kUnreached : field.distance[vertex];
+    const double d = vertex == kNone ? kUnreached : field.distance[nearest_copy(nearer, vertex)];
     if (d > most || d == kUnreached || (reply.max && d <= *reply.max)) continue;
     reply.max = d;
     reply.farthest = v;

@@ -343,12 +343,14 @@ Result<Answered<proto::LoopReply>> FieldQueries::answer(const AskedSurface& surf
   } else if (request.start == proto::LoopRequest::Start::plane) {
     reply.normal = request.normal;
   }
+  const Caller tightener = has_legs ? caller.part(kLegsOfLoop, 1) : caller;
+  const bool had_slot = has_legs && !answer.cache_hit.value_or(false);
   auto loop = fields_.compute(
       [&](SolveScratch&, const Cancel& cancel) {
         const Timed tracing(caller, Stage::trace);
         return find_loop(*place->adjacency(), request, *points, legs, reply, cancel);
       },
-      has_legs ? caller.part(kLegsOfLoop, 1) : caller);
+      had_slot ? tightener.finishing() : tightener);
   if (!loop) {
     // Where the plane is to blame, the error says so.
     if (loop.error().code == ErrorCode::no_loop && loop.error().parameter.empty()) {

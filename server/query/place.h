@@ -68,7 +68,8 @@ class FieldQueries::Place {
   // What fields start from (field_sources.cpp): points with their offsets, and the lines and faces
   // of what is no point, in a compute slot. In `echo` one for each of `requests`. Errors besides:
   // index_out_of_range (a loop, a part or a face that there is not), value_out_of_range (no
-  // boundary at all), outside_region, no_loop (a curve between pieces of the surface), too_large.
+  // boundary at all), outside_region, no_loop (a curve between pieces of the surface), too_large,
+  // and those of reserve_lines: what is made counts as long as it is held.
   // `round`, if it is not null, becomes the line of the last closed curve, back to its first point.
   [[nodiscard]] Result<FieldSources> sources(const std::vector<proto::PointRequest>& requests,
                                              std::vector<proto::ResolvedPoint>& echo,

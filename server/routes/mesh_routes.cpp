@@ -260,6 +260,8 @@ HttpResponse Routes::prepare_mesh(Call& call) {
 }
 
 HttpResponse Routes::rename_mesh(Call& call) {
+  const auto memory = memory_for_json(call.request.body.size(), call.request.caller);
+  if (!memory) return call.problem(memory.error());
   auto parameters = proto::Parameters::from_json(call.request.body);
   if (!parameters) return call.problem(parameters.error());
   const auto name = proto::read_mesh_name(*parameters);

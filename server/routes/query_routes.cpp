@@ -211,8 +211,13 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
   }
   auto answer = queries_.answer(surface, request, *caller);
   if (!answer) return fail(std::move(answer.error()));
+  // What was not in a slot yet waits for one as all others do. The nearest points are found
+  // outside of one, and say nothing of a cache.
+  constexpr bool is_quick = std::is_same_v<Request, proto::NearestRequest>;
+  const bool had_slot = !answer->cache_hit.value_or(is_quick);
+  const Caller rest = had_slot ? caller->finishing() : *caller;
   if (!attributes.empty()) {
-    auto upload = upload_to_annotate(query, attributes, file_bytes, *memory, caller->finishing());
+    auto upload = upload_to_annotate(query, attributes, file_bytes, *memory, rest);
     if (!upload) return fail(std::move(upload.error()));
     answer->upload = std::move(*upload);
   }
@@ -263,10 +268,8 @@ Result<HttpResponse> Routes::answer_query(const Query& query) {
     }
     return made;
   };
-  const bool was_computed = !answer->cache_hit.value_or(false);
-  auto response = is_large(size) || is_drawing(format->format)
-                      ? queries_.in_slot(make, was_computed ? caller->finishing() : *caller)
-                      : make(Cancel(std::cref(*caller)));
+  auto response = is_large(size) || is_drawing(format->format) ? queries_.in_slot(make, rest)
+                                                               : make(Cancel(std::cref(*caller)));
   if (!response) {
     // Outside of a slot nobody else says what ended it.
     const bool is_late = response.error().code == ErrorCode::cancelled && caller->deadline_over();

@@ -1,6 +1,7 @@
 #include "server/routes/routes.h"
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -66,6 +67,13 @@ HttpResponse text_reply(std::string_view text, std::string type) {
   HttpResponse response;
   response.set_body(std::string(text), std::move(type));
   return response;
+}
+
+// What a query starts from may be large, and is held while it waits and computes. On an account of
+// its own, as a body's JSON is: a request that starts from much may get much.
+void count_sources(ReplyBudget& budget, Caller& caller) {
+  caller.reserve = [share = budget.share_of_nothing(caller.client + " starts")](
+                       std::uint64_t bytes) { return ReplyBudget::take_part(share, bytes); };
 }
 
 // What a kept reply takes, its headers and its key by a guess.
@@ -190,6 +198,7 @@ HttpResponse Routes::dispatch(Call& call) {
   }
   if (s.size() >= 2 && s[0] == "v1" && s[1] == "meshes") {
     if (may_be_job(call)) return begin_job(call);
+    if (s.size() > 3) count_sources(reply_budget_, call.request.caller);
     if (s.size() > 2) return one_mesh(call);
     call.route = "/v1/meshes";
     if (call.is("POST")) return add_mesh(call);

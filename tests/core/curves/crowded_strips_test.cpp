@@ -15,6 +15,7 @@
 
 #include "core/curves/strip_front.h"
 #include "tests/core/curves/curve_fixtures.h"
+#include "tests/core/solve/crowded_meshes.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/every_strip.h"
 #include "tests/fixtures/faces_thrown_together.h"
@@ -433,6 +434,43 @@ TEST_CASE("AWaveGoesRoundTheVertexThatSheetsFarApartShareOnce") {
       CHECK(field.distance[v] <= limit.distance[v] + rounding);
       CHECK(field.distance[v] >= limit.distance[v] - dense.spacing / 2 - rounding);
     }
+  }
+}
+
+// The first faces of all pages of a book, or of all but one.
+TEST_CASE("ACrowdedEdgeIsInTheBorderOfFacesOnceAndGoneRoundOnce") {
+  constexpr std::uint32_t kPages = 2000;
+  std::mt19937 random(test_seed());
+  const Surface surface(crowded::book(kPages, 1));
+  const Adjacency& adjacency = surface.adjacency();
+  const std::uint32_t left_out = random() % kPages;
+  for (const bool are_all : {false, true}) {
+    CAPTURE(are_all);
+    std::vector<std::uint32_t> faces;
+    for (std::uint32_t p = 0; p < kPages; ++p) {
+      if (are_all || p != left_out) faces.push_back(surface.mesh().face_of_source(2 * p));
+    }
+    std::sort(faces.begin(), faces.end());
+    std::uint64_t asked = 0;
+    const Cancel cancel([&] { return ++asked == 0; });
+    Poll poll(cancel);
+    SourceLines lines;
+    std::vector<Source> sources;
+    add_faces(adjacency, faces, 0, lines, sources, poll);
+    // Beyond another edge of each there is the page's second face.
+    const std::size_t border = faces.size() + (are_all ? 0 : 1);
+    CHECK(lines.segments.size() == border);
+    const auto on_spine = [&](const LineSegment& segment) {
+      const Halfedge h = segment.along();
+      return std::minmax({adjacency.tail(h), adjacency.head(h)}) ==
+             std::minmax({surface.vertex(0), surface.vertex(1)});
+    };
+    CHECK(std::count_if(lines.segments.begin(), lines.segments.end(), on_spine) ==
+          (are_all ? 0 : 1));
+    merge_repeated(adjacency, lines, sources, poll);
+    CHECK(lines.segments.size() == border);
+    // The square of the pages is a thousand questions.
+    CHECK(asked < 20);
   }
 }
 

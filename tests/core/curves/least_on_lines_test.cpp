@@ -9,7 +9,9 @@
 #include <random>
 #include <vector>
 
+#include "core/base/memory_budget.h"
 #include "tests/core/curves/curve_fixtures.h"
+#include "tests/core/solve/crowded_meshes.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/sanitizers.h"
 
@@ -153,6 +155,80 @@ TEST_CASE("WhatLiesWithinFacesIsAtNoDistanceFromThem") {
     const FieldOnLines on_faces(surface.adjacency(), from_faces, poll);
     for (const std::uint32_t f : faces) CHECK(on_faces.meets(std::vector{f}));
   }
+}
+
+// A curve with many points along the edge of many pages, and a point on one of the pages.
+TEST_CASE("OfACurveAlongACrowdedEdgeItsPointsAndTheFacesThereAreKeptAndNotEachPair") {
+  std::mt19937 random(test_seed() + 3);
+  constexpr std::uint32_t kPages = 1000;
+  constexpr std::size_t kPoints = 500;
+  const Surface surface(crowded::book(kPages, 1));
+  const Adjacency& adjacency = surface.adjacency();
+  LineQuestion question(surface);
+  std::vector<double> up;  // along the edge, which is from 0 to 1
+  for (std::size_t i = 0; i < kPoints; ++i) up.push_back(0.2 + 0.2 * (random() / 4294967296.0));
+  std::sort(up.begin(), up.end());
+  std::vector<SurfacePoint> points;
+  for (const double at : up) points.push_back(surface.on(2 * (random() % kPages), {1 - at, 0, at}));
+  (void)question.curve(points, false);
+  const std::uint32_t page = random() % kPages;
+  question.point(surface.on(2 * page, {0.3, 0.4, 0.3}));
+  const std::vector<LineSegment>& segments = question.lines().segments;
+
+  std::uint64_t asked = 0;
+  std::uint64_t taken = 0;
+  MemoryBudget budget([&](std::uint64_t bytes) -> std::optional<Error> {
+    taken += bytes;
+    return std::nullopt;
+  });
+  const Cancel cancel([&] { return ++asked == 0; }, {}, &budget);
+  Poll poll(cancel);
+  std::vector<std::uint32_t> on_edge;
+  for (std::uint32_t p = 0; p < kPages; ++p) {
+    on_edge.push_back(surface.mesh().face_of_source(2 * p));
+  }
+  std::sort(on_edge.begin(), on_edge.end());
+  CHECK(faces_of_lines(adjacency, segments, poll) == on_edge);
+  // No vertex has a distance: what is near is the points alone.
+  Field field;
+  field.sources = question.sources();
+  field.distance.assign(surface.mesh().vertex_count(), kUnreached);
+  field.lines = std::make_shared<const LineWaves>(
+      adjacency, std::make_shared<const SourceLines>(question.lines()),
+      static_cast<std::uint32_t>(field.sources.size()), std::vector<LineStrip>(), true, poll);
+  asked = taken = 0;
+  const FieldOnLines on_lines(adjacency, field, poll);
+  CHECK(taken > 0);
+  CHECK(taken < 200 * (kPoints + kPages));
+  CHECK(asked < 20);
+
+  for (std::uint32_t f = 0; f < surface.mesh().face_count(); ++f) {
+    const bool is_met = std::binary_search(on_edge.begin(), on_edge.end(), f);
+    CHECK(on_lines.meets(std::vector{f}) == is_met);
+  }
+  const auto least = [&](std::uint32_t of_page, const std::array<double, 3>& from,
+                         const std::array<double, 3>& to) {
+    const LineSegment asked_of{surface.mesh().face_of_source(2 * of_page), from, to, 0};
+    return on_lines.least({&asked_of, 1});
+  };
+  CHECK(std::abs(least(random() % kPages, {0.4, 0, 0.6}, {0.2, 0, 0.8}) - (0.6 - up.back())) <
+        kExact);
+  double wanted = kUnreached;
+  for (const double at : up) wanted = std::min(wanted, std::hypot(0.3, at - 0.3));
+  const std::uint32_t another = (page + 1) % kPages;
+  CHECK(std::abs(least(another, {0.4, 0.3, 0.3}, {0.1, 0.6, 0.3}) - wanted) < kExact);
+  CHECK(std::abs(least(page, {0.2, 0.5, 0.3}, {0.1, 0.6, 0.3}) - 0.1) < kExact);
+
+  MemoryBudget none([](std::uint64_t) -> std::optional<Error> {
+    return Error{ErrorCode::too_large, "no more", {}, {}, {}};
+  });
+  const Cancel poor({}, {}, &none);
+  Poll first(poor);
+  (void)faces_of_lines(adjacency, segments, first);
+  CHECK(first.stopped());
+  Poll second(poor);
+  const FieldOnLines refused(adjacency, field, second);
+  CHECK(second.stopped());
 }
 
 TEST_CASE("LinesOnSurfacesAreAsNearAsTheirPointsInTheLimit") {

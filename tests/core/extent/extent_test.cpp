@@ -361,6 +361,19 @@ TEST_CASE("ByAMethodThatIsNoMetricOnlyAllFieldsAreExact") {
   CHECK(all.fields == 144);
 }
 
+// Of the greatest distance from a vertex that no field has reached nothing is known.
+TEST_CASE("BoundsAreMetWhereBothAreFiniteAndEqualToRounding") {
+  std::mt19937 random(test_seed());
+  const double lower =
+      std::ldexp(1 + random() / 4294967296.0, static_cast<int>(random() % 60) - 30);
+  CAPTURE(lower);
+  CHECK(are_met(lower, lower));
+  CHECK(are_met(lower, lower * (1 + 1e-12)));
+  CHECK_FALSE(are_met(lower, lower * (1 + 1e-6)));
+  CHECK_FALSE(are_met(lower, std::numeric_limits<double>::infinity()));
+  CHECK(are_met(0, 0));
+}
+
 TEST_CASE("AnExtentIsTheSameTwice") {
   const Surface surface(shapes::terrain(15, 3, 4));
   for (const ExtentOf what : kMeasures) {

@@ -145,6 +145,34 @@ TEST_CASE("EstimatesOnASphereAreNearTheClosedFormAndWithinTheirBounds") {
   CHECK(sum / static_cast<double>(compared) < 2 * errors->mean + 1e-4);
 }
 
+// Squares of distances that are 1e19 times as great as those between the others are no floats.
+TEST_CASE("RowsFarFromAllLandmarksHaveEstimatesWithinTheirBounds") {
+  std::mt19937 random(test_seed() + 4);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const std::size_t count = 200;
+  std::vector<Vec3> points;
+  for (std::size_t p = 0; p < count; ++p) points.push_back({uniform(random), uniform(random), 0});
+  for (const double far : {1e3, 1e9, 1e17, 1e19, 1e22, 1e38, 1e60, 1e200}) {
+    CAPTURE(far);
+    // One point more, from which all ways lead by the first one.
+    const Distance distance = [&](std::size_t a, std::size_t b) {
+      const double way = geodesic::distance(points[a % count], points[b % count]);
+      return (a == count) == (b == count) ? way : far + way;
+    };
+    LandmarkDistances known = known_by(count, 5, distance);
+    const std::vector<KnownRow> rows{known_row(known, count, count, distance)};
+    const auto errors = known.choose(rows, Cancel());
+    REQUIRE(errors.has_value());
+    // All others are at most the square's diagonal apart.
+    const double off = 2 * std::sqrt(2.0) / far + kRounding;
+    CHECK(errors->max <= off);
+    const std::vector<double> found = estimated(known, rows.front());
+    for (std::size_t q = 0; q < count; ++q) {
+      CHECK(std::abs(found[q] - rows.front().to_points[q]) <= off * rows.front().to_points[q]);
+    }
+  }
+}
+
 TEST_CASE("ComponentsAreEstimatedApart") {
   std::mt19937 random(test_seed() + 2);
   std::uniform_real_distribution<double> uniform(0, 1);

@@ -149,6 +149,29 @@ TEST_CASE("APlaneThroughVerticesTurnsRoundByEdges") {
   for (const SurfacePoint& point : *section) CHECK(point.at_vertex());
 }
 
+TEST_CASE("OfCopiesThatAPlaneTouchesTheLastIsNotLookedForFromEach") {
+  std::mt19937 random(fixtures::test_seed() + 27);
+  TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {0.4, 0.7, 0}}, {}};
+  for (int i = 0; i < 3000; ++i) {
+    Triangle face{0, 1, 2};
+    std::rotate(face.begin(), face.begin() + random() % 3, face.end());
+    soup.faces.push_back(face);
+  }
+  const Surface surface(soup);
+  const auto ask = [&](Vec3 normal) {
+    std::uint64_t asked = 0;
+    const Cancel cancel([&] { return ++asked == 0; });
+    const auto section = plane_section(surface.adjacency(), surface.at(0), normal, cancel);
+    REQUIRE_FALSE(section);
+    // The square of the copies is two thousand questions.
+    CHECK(asked < 20);
+    return section.error().detail;
+  };
+  CHECK(ask({1, 1, 0}) == "the plane only touches the surface there, and does not cut it");
+  CHECK(ask({1, -1, 0}) ==
+        "the section comes to the boundary of the surface there: it is no closed curve");
+}
+
 TEST_CASE("SectionsThatAreNoClosedCurves") {
   const Surface open(fixtures::tube(12, 4, 4));
   const auto aslant = cut(open, open.at(30), {1, 0, 0.1});

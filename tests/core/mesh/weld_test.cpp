@@ -91,6 +91,24 @@ TEST_CASE("CoordinatesBeyondAllBoundsAreLeftForBuildToRefuse") {
   CHECK_FALSE(Mesh::build(soup));
 }
 
+TEST_CASE("ACoordinateThatIsNoFiniteNumberIsLeftForBuildToRefuse") {
+  const std::vector<double Vec3::*> coordinates{&Vec3::x, &Vec3::y, &Vec3::z};
+  for (const double bad : {std::nan(""), kInfinity, -kInfinity}) {
+    CAPTURE(bad);
+    for (double Vec3::*const coordinate : coordinates) {
+      for (const std::size_t at : {0, 2, 3}) {
+        // Two of the others are near enough to be welded.
+        TriangleSoup soup{{{5, 5, 5}, {0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0.1, 0, 0}},
+                          {{1, 2, 3}, {0, 4, 2}}};
+        soup.positions[at].*coordinate = bad;
+        CHECK(weld_within(soup, 1.0) == 0);
+        CHECK(soup.positions[4] == Vec3{0.1, 0, 0});
+        CHECK_FALSE(Mesh::build(soup));
+      }
+    }
+  }
+}
+
 TEST_CASE("WithoutWeldingFacesAreJoinedByIndicesAlone") {
   const TriangleSoup soup{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}},
                           {{0, 1, 2}, {3, 4, 5}}};

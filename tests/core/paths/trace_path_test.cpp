@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <random>
 #include <vector>
 
+#include "core/field/vertex_front.h"
+#include "core/field/window_table.h"
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
 #include "tests/fixtures/crumpled_surfaces.h"
@@ -178,6 +181,43 @@ struct PathsOnLines {
 };
 
 }  // namespace
+
+// A field of a plane that says how far its lower right corner is, six from the source, and leads a
+// path there by a vertex that is aside.
+TEST_CASE("AnOffsetHidesNoDetourOfAPath") {
+  constexpr std::uint32_t kSide = 7;
+  constexpr std::uint32_t kTarget = kSide - 1;
+  constexpr std::uint32_t kAside = 3 * kSide - 1;
+  const Surface plane(shapes::plane(kSide, kSide));
+  struct Delayed {
+    Method method;
+    double offset;  // so great that a detour of three is little beside it
+  };
+  for (const Delayed& each :
+       {Delayed{Method::fast_marching, 1e3}, Delayed{Method::back_traced, 1e3},
+        Delayed{Method::exact, 1e10}, Delayed{Method::chen_han, 1e10}}) {
+    CAPTURE(static_cast<int>(each.method));
+    for (const double offset : {0.0, each.offset}) {
+      CAPTURE(offset);
+      const Source source{plane.at(0), offset};
+      Field field = unreached_field(each.method, {&source, 1}, plane.mesh().vertex_count());
+      std::vector<double>& known = field.distance.doubles();
+      known[plane.vertex(0)] = offset;
+      known[plane.vertex(kTarget)] = offset + 6;
+      known[plane.vertex(kAside)] = offset + 5;
+      if (traits_of(each.method).has_windows) {
+        const Cancel never;
+        Poll poll(never);
+        field.windows = std::make_shared<const WindowTable>(plane.adjacency().faces().size(),
+                                                            VisibleIntervals(), poll);
+      }
+      const auto path = plane.path(field, plane.at(kTarget));
+      REQUIRE(path);
+      check_is_a_path(plane.adjacency(), *path, kSide);
+      CHECK(path->length == doctest::Approx(6));
+    }
+  }
+}
 
 // Over faces that are lines a shortest path may come to one face twice, and windows tie everywhere.
 TEST_CASE("OverFacesThatAreLinesExactPathsAreAsLongAsTheirDistances") {

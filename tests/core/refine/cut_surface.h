@@ -62,7 +62,9 @@ struct Cut {
   }
   // A point of a source face of the whole.
   [[nodiscard]] SurfacePoint on(std::uint32_t source_face, const Weights& bary) const {
-    if (const auto there = cut.refinement.in_piece(source_face, bary)) {
+    const Cancel never;
+    Poll poll(never);
+    if (const auto there = cut.refinement.in_piece(source_face, bary, poll)) {
       return point_on_face(*adjacency, there->face, there->bary);
     }
     return point_on_face(*adjacency, cut.mesh.face_of_source(source_face), bary);

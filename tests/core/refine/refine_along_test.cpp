@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/memory_budget.h"
 #include "core/mesh/shapes.h"
+#include "core/refine/face_pieces.h"
 #include "tests/core/refine/cut_surface.h"
 #include "tests/core/refine/lines_on_meshes.h"
 #include "tests/fixtures/awkward_meshes.h"
@@ -37,6 +40,8 @@ double length_along(const Mesh& mesh, const std::vector<std::uint32_t>& chain) {
 
 // Parts cover each face once, and lie where they say.
 void check_pieces(const RefinedMesh& refined, const Mesh& whole) {
+  const Cancel never;
+  Poll poll(never);
   std::vector<double> covered(whole.source_face_count(), 0);
   for (std::uint32_t f = 0; f < refined.mesh.face_count(); ++f) {
     const std::uint32_t parent = refined.mesh.source_of_face(f);
@@ -65,7 +70,7 @@ void check_pieces(const RefinedMesh& refined, const Mesh& whole) {
     const Weights middle{0.3, 0.3, 0.4};
     const auto in_parent = refined.refinement.in_parent(f, middle);
     REQUIRE(in_parent);
-    const auto back = refined.refinement.in_piece(parent, *in_parent);
+    const auto back = refined.refinement.in_piece(parent, *in_parent, poll);
     REQUIRE(back);
     if (part > 1e-6) {
       CHECK(back->face == f);
@@ -191,6 +196,185 @@ TEST_CASE("ManyLinesInOneFaceCrossEachOther") {
   for (std::uint32_t v = 0; v < adjacency.mesh().vertex_count(); ++v) {
     CHECK(std::abs(field->distance[v] - norm(adjacency.mesh().positions()[v])) < 1e-8);
   }
+}
+
+namespace {
+
+// The part of the one face in which a point is, or on whose border, found by looking at all of them
+// in turn.
+std::optional<std::uint32_t> part_of_all(const Refinement& refinement, const Weights& bary) {
+  const auto area2 = [](const Weights& a, const Weights& b, const Weights& c) {
+    return (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+  };
+  std::optional<std::uint32_t> found;
+  double deepest = -1e-9;
+  for (const FacePiece& part : refinement.pieces()) {
+    const auto& [a, b, c] = part.corners;
+    const double all = area2(a, b, c);
+    if (!(all > 0)) continue;
+    const double depth =
+        std::min({area2(bary, b, c) / all, area2(a, bary, c) / all, area2(a, b, bary) / all});
+    if (depth <= deepest) continue;
+    found = part.face;
+    if (depth >= 0) break;
+    deepest = depth;
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("APointOfASplitFaceIsFoundAmongItsPartsByLookingAtFew") {
+  RandomMesh random(test_seed());
+  TriangleSoup soup;
+  soup.positions = {{0, 0, 0}, {3, 0, 0}, {1, 2, 0}};
+  soup.faces = {{0, 1, 2}};
+  const Surface surface(soup);
+  std::vector<SurfacePolyline> lines(30);
+  for (SurfacePolyline& line : lines) {
+    for (int k = 0; k < 3; ++k) {
+      line.push_back(surface.on(0, {random.unit() + 1e-3, random.unit(), random.unit()}));
+    }
+  }
+  const auto refined = refine_along(surface.adjacency(), lines, kPlenty, Cancel());
+  REQUIRE(refined);
+  const Refinement& refinement = refined->refinement;
+  std::vector<Weights> points;
+  for (int i = 0; i < 300; ++i) {
+    const SurfacePoint anywhere =
+        surface.on(0, {random.unit() + 1e-3, random.unit(), random.unit()});
+    points.push_back(anywhere.bary);
+    // And at a corner of a part, or in the middle of a side.
+    const auto parts = static_cast<std::uint32_t>(refinement.pieces().size());
+    const auto& corners = refinement.pieces()[random.below(parts)].corners;
+    Weights on_border = corners[random.below(3)];
+    const Weights& other = corners[random.below(3)];
+    for (std::size_t k = 0; k < 3; ++k) on_border[k] = 0.5 * (on_border[k] + other[k]);
+    points.push_back(on_border);
+  }
+  std::uint64_t looked_at = 0;
+  const Cancel counted([&] {
+    ++looked_at;
+    return false;
+  });
+  Poll poll(counted, 1);
+  for (const Weights& bary : points) {
+    const auto there = refinement.in_piece(0, bary, poll);
+    REQUIRE(there);
+    CHECK(there->face == part_of_all(refinement, bary));
+  }
+  CHECK(looked_at > 0);
+  CHECK(4 * looked_at < points.size() * refinement.pieces().size());
+  const Cancel at_once([] { return true; });
+  Poll stopped(at_once, 1);
+  CHECK_FALSE(refinement.in_piece(0, points[0], stopped));
+  CHECK(stopped.stopped());
+}
+
+namespace {
+
+// Of all triangles, the one that a place is deepest in.
+std::size_t deepest_of_all(const FacePieces& pieces, const Weights& place) {
+  std::size_t deepest = 0;
+  double depth = -2;
+  for (std::size_t i = 0; i < pieces.triangles().size(); ++i) {
+    double least = 2;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Weights& a = pieces.points()[pieces.triangles()[i][c]];
+      const Weights& b = pieces.points()[pieces.triangles()[i][(c + 1) % 3]];
+      const double x = b[1] - a[1];
+      const double y = b[2] - a[2];
+      least = std::min(least, (x * (place[2] - a[2]) - y * (place[1] - a[1])) / std::hypot(x, y));
+    }
+    if (least <= depth) continue;
+    depth = least;
+    deepest = i;
+  }
+  return deepest;
+}
+
+// Triangles that cover the face once.
+void check_covers_the_face(const FacePieces& pieces) {
+  double sum = 0;
+  for (const auto& triangle : pieces.triangles()) {
+    const Weights& a = pieces.points()[triangle[0]];
+    const Weights& b = pieces.points()[triangle[1]];
+    const Weights& c = pieces.points()[triangle[2]];
+    const double part = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+    CHECK(part >= -1e-15);
+    sum += part;
+  }
+  CHECK(sum == doctest::Approx(1).epsilon(1e-9));
+}
+
+}  // namespace
+
+TEST_CASE("APointInsideAFaceIsPutIntoTheTriangleThatHasIt") {
+  RandomMesh random(test_seed());
+  const Cancel never;
+  Poll poll(never);
+  FacePieces pieces;
+  for (int i = 0; i < 400; ++i) {
+    Weights place{random.unit() + 0.01, random.unit() + 0.01, random.unit() + 0.01};
+    if (i % 4 == 0) {  // in the middle of an edge between two triangles
+      const auto count = static_cast<std::uint32_t>(pieces.triangles().size());
+      const auto& triangle = pieces.triangles()[random.below(count)];
+      const std::uint32_t c = random.below(3);
+      for (std::size_t k = 0; k < 3; ++k) {
+        place[k] = pieces.points()[triangle[c]][k] + pieces.points()[triangle[(c + 1) % 3]][k];
+      }
+      if (std::min({place[0], place[1], place[2]}) < 1e-6) continue;
+    }
+    const double sum = place[0] + place[1] + place[2];
+    for (double& weight : place) weight /= sum;
+    const std::size_t deepest = deepest_of_all(pieces, place);
+    const std::uint32_t at = pieces.add_inside(place, poll);
+    REQUIRE(at + 1 == pieces.points().size());
+    const auto& triangle = pieces.triangles()[deepest];
+    CHECK(std::find(triangle.begin(), triangle.end(), at) != triangle.end());
+  }
+  check_covers_the_face(pieces);
+}
+
+// As a wall by a person's hand is: long, and with each point near the one before.
+TEST_CASE("ALongLineInsideAFaceLooksAtFewOfItsPieces") {
+  RandomMesh random(test_seed());
+  constexpr int kPoints = 1500;
+  const double turns = 6 + 6 * random.unit();
+  std::uint64_t looked_at = 0;
+  const Cancel counted([&] {
+    ++looked_at;
+    return false;
+  });
+  Poll poll(counted, 1);
+  FacePieces pieces;
+  std::uint64_t all = 0;
+  std::vector<std::uint32_t> line;
+  for (int i = 0; i < kPoints; ++i) {
+    const double part = (i + 0.3 * random.unit()) / kPoints;
+    const double angle = 2 * 3.14159265358979 * turns * part;
+    const double radius = 0.01 + 0.19 * part;
+    Weights place{0, 1.0 / 3 + radius * std::cos(angle), 1.0 / 3 + radius * std::sin(angle)};
+    place[0] = 1 - place[1] - place[2];
+    all += pieces.points().size() + pieces.triangles().size();
+    line.push_back(pieces.add_inside(place, poll));
+    if (i == 0) continue;
+    const auto chain = pieces.join(line[line.size() - 2], line.back(), poll);
+    CHECK(chain.back() == line.back());
+  }
+  CHECK(10 * looked_at < all);
+  check_covers_the_face(pieces);
+  // What is as near as one point is that.
+  const std::size_t count = pieces.points().size();
+  for (int i = 0; i < 200; ++i) {
+    const std::uint32_t point = line[random.below(kPoints)];
+    Weights beside = pieces.points()[point];
+    beside[1] += 1e-9 * (2 * random.unit() - 1);
+    beside[2] += 1e-9 * (2 * random.unit() - 1);
+    beside[0] = 1 - beside[1] - beside[2];
+    CHECK(pieces.add_inside(beside, poll) == point);
+  }
+  CHECK(pieces.points().size() == count);
 }
 
 TEST_CASE("LinesAlongEdgesSplitNothing") {

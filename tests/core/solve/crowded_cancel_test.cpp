@@ -205,6 +205,41 @@ void check(const Computation& run, std::mt19937& random) {
 
 }  // namespace
 
+// Whether one face with an area is among them, which the ray is said to meet then, or none.
+TEST_CASE("ARayThroughACrowdOfFlatFacesGoesRoundTheirEdgesOnce") {
+  std::mt19937 random(fixtures::test_seed() + 1);
+  constexpr double kHeight = 1e-13;
+  for (const bool has_area : {false, true}) {
+    CAPTURE(has_area);
+    TriangleSoup soup = crowded::copies(kHeight);
+    for (int i = 0; i < 2; ++i) {
+      soup.faces.insert(soup.faces.end(), soup.faces.begin(), soup.faces.end());
+    }
+    if (has_area) {
+      soup.positions.push_back({0.5, -1, 0});
+      soup.faces.push_back({0, 1, 3});
+    }
+    const Surface surface(soup);
+    for (const auto hierarchy :
+         {ClosestPointIndex::Hierarchy::quickest, ClosestPointIndex::Hierarchy::boxes}) {
+      const auto index = ClosestPointIndex::build(surface.shared(), Cancel(), hierarchy);
+      REQUIRE(index);
+      const Vec3 from{0.4, kHeight / 2, 9};
+      const Vec3 down{0, 0, -1};
+      check(
+          [&](const Cancel& cancel) {
+            return without_value((*index)->first_hit(from, down, cancel));
+          },
+          random);
+      const auto hit = (*index)->first_hit(from, down);
+      REQUIRE(hit.has_value() == has_area);
+      if (!hit) continue;
+      CHECK(surface.adjacency().face(hit->point.face).area2 > 0.5);
+      CHECK(distance(position_of(surface.mesh(), hit->point), {0.4, 0, 0}) < 1e-12);
+    }
+  }
+}
+
 TEST_CASE("WhateverIsAskedAboutACrowdEndsAndIsLeftAtAnyQuestion") {
   std::mt19937 random(fixtures::test_seed());
   auto crowds = crowded::crowds();

@@ -74,6 +74,29 @@ TEST_CASE("ExactPairsWithFewWindowsAreThoseWithAll") {
   }
 }
 
+// However much later it sets out, the shortest path is the same.
+TEST_CASE("AnOffsetChangesNoExactPair") {
+  std::mt19937 random(fixtures::test_seed());
+  constexpr double kLater = 1e12;
+  for (const TriangleSoup& soup : {bumpy(30, 2), shapes::terrain(30, 6, 3)}) {
+    const auto adjacency =
+        Adjacency::build(std::make_shared<const Mesh>(std::move(*Mesh::build(soup))));
+    ExactScratch scratch;
+    for (int trial = 0; trial < fixtures::all_or(10, 3); ++trial) {
+      CAPTURE(trial);
+      const SurfacePoint from = any_point(adjacency, random);
+      const SurfacePoint to = any_point(adjacency, random);
+      const auto soon = exact_pair(adjacency, {from, 0}, to, true, scratch, Cancel());
+      const auto late = exact_pair(adjacency, {from, kLater}, to, true, scratch, Cancel());
+      REQUIRE((soon && late));
+      CHECK(late->distance == kLater + soon->distance);
+      REQUIRE((soon->path && late->path));
+      CHECK(std::abs(soon->path->length - soon->distance) <= 1e-9 * soon->distance);
+      CHECK(std::abs(late->path->length - soon->distance) <= 1e-9 * soon->distance);
+    }
+  }
+}
+
 TEST_CASE("ExactPairsKeepFewWindows") {
   const auto adjacency =
       Adjacency::build(std::make_shared<const Mesh>(std::move(*Mesh::build(bumpy(120, 1)))));

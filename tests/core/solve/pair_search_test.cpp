@@ -172,6 +172,80 @@ TEST_CASE("APairOfOnePoint") {
   }
 }
 
+// A vertex in no face has a way to itself alone, wherever it lies.
+TEST_CASE("APairWithAVertexInNoFace") {
+  std::mt19937 random(fixtures::test_seed());
+  const auto part = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  TriangleSoup soup = shapes::plane(9, 9);
+  const auto near = static_cast<std::uint32_t>(soup.positions.size());
+  soup.positions.push_back({8 * part(), 8 * part(), 0.1 + part()});
+  const std::uint32_t far_off = near + 1;
+  soup.positions.push_back({500, 300 * part(), 0});
+  const Surface surface(soup);
+  const std::vector<SurfacePoint> others{surface.at(40), surface.on(64, {0, 0.5, 0.5}),
+                                         surface.on(64, {0.2, 0.3, 0.5})};
+  for (const PairMethod& by : kPairMethods) {
+    CAPTURE(by.name);
+    MethodOptions options;
+    options.bound = by.bound;
+    for (const std::uint32_t loose : {near, far_off}) {
+      CAPTURE(loose);
+      const SurfacePoint here = surface.at(loose);
+      SolveScratch scratch;
+      for (const PairPath path : {PairPath::none, PairPath::traced, PairPath::refined}) {
+        const auto pair = pair_search(by.method, options, surface.adjacency(), {here, 0.25}, here,
+                                      path, scratch, Cancel());
+        REQUIRE(pair);
+        CHECK(pair->distance == doctest::Approx(0.25).epsilon(1e-6));
+        REQUIRE(pair->path.has_value() == (path != PairPath::none));
+        if (!pair->path) continue;
+        CHECK(pair->path->length == 0);
+        REQUIRE(pair->path->points.size() == 1);
+        CHECK(pair->path->points[0].position == soup.positions[loose]);
+      }
+      std::vector<SurfacePoint> elsewhere = others;
+      elsewhere.push_back(surface.at(loose == near ? far_off : near));
+      for (const SurfacePoint& there : elsewhere) {
+        const Pair away = pair_of(surface, by, {here, 0}, there);
+        CHECK(away.distance == kUnreached);
+        CHECK_FALSE(away.path);
+        const Pair back = pair_of(surface, by, {there, 0}, here);
+        CHECK(back.distance == kUnreached);
+        CHECK_FALSE(back.path);
+      }
+    }
+  }
+}
+
+TEST_CASE("APatchHasNoPointsOfOtherFaces") {
+  TriangleSoup soup = shapes::plane(21, 21);
+  const auto loose = static_cast<std::uint32_t>(soup.positions.size());
+  soup.positions.push_back({0.5, 0.5, 0.1});
+  const Surface surface(soup);
+  const auto patch =
+      SurfacePatch::cut(surface.adjacency(), surface.at(0), surface.at(22), 2, Cancel());
+  REQUIRE(patch);
+  REQUIRE_FALSE(patch->is_whole());
+  const SurfacePoint inner = surface.on(0, {0.2, 0.3, 0.5});
+  for (const SurfacePoint& point : {surface.at(0), surface.at(22), inner}) {
+    const auto there = patch->inside(point);
+    REQUIRE(there);
+    CHECK(distance(position_of(patch->adjacency().mesh(), *there),
+                   position_of(surface.mesh(), point)) < 1e-12);
+  }
+  CHECK_FALSE(patch->inside(surface.at(loose)));
+  CHECK_FALSE(patch->inside(surface.at(440)));
+  const auto last = static_cast<std::uint32_t>(soup.faces.size() - 1);
+  CHECK_FALSE(patch->inside(surface.on(last, {0.2, 0.3, 0.5})));
+  // No face is near a vertex in no face that is far away.
+  soup.positions[loose] = {500, 0, 0};
+  const Surface apart(soup);
+  const auto none =
+      SurfacePatch::cut(apart.adjacency(), apart.at(loose), apart.at(loose), 0, Cancel());
+  REQUIRE(none);
+  CHECK(none->is_whole());
+}
+
 TEST_CASE("APairFarApartLooksAtLittleOfTheSurface") {
   const Surface surface(shapes::icosphere(6));
   const double far_off = std::acos(-1.0) / 2;

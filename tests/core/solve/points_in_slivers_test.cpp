@@ -6,10 +6,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "core/field/vertex_front.h"
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/solve/distance_at_point.h"
@@ -133,5 +135,32 @@ TEST_CASE("FromAPointInsideAFaceToItselfItIsNoWay") {
         CHECK(distance_read(surface, field, point) == 0.5);
       }
     }
+  }
+}
+
+// A path that has gone round the wrong side is told from the distance, however late the source is.
+TEST_CASE("AnOffsetHidesNoWayRoundTheWrongSide") {
+  const Surface surface({{{0, 0, 0}, {19.9, 0, 0}, {9.95, -1, 0}, {9.95, 12, 0}},  // low, and high
+                         {{0, 2, 1}, {0, 1, 3}}});
+  const SurfacePoint from = surface.on(1, {7.0 / 24, 7.0 / 24, 5.0 / 12});
+  const SurfacePoint to = surface.on(0, {0.35, 0.3, 0.35});
+  const Vec3 start = position_of(surface.mesh(), from);
+  const Vec3 end = position_of(surface.mesh(), to);
+  for (const double offset : {0.0, 1000.0}) {
+    CAPTURE(offset);
+    const Source source{from, offset};
+    Field field = unreached_field(Method::back_traced, {&source, 1}, surface.mesh().vertex_count());
+    field.bound = Bound::upper;
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      field.distance.doubles()[v] = offset + distance(start, surface.mesh().positions()[v]);
+    }
+    Path round;
+    round.points = {{from, start}, {to, end}};
+    round.length = 1.2 * distance(start, end);
+    const PointArrivals arrivals(surface.adjacency(), field);
+    const auto found = distance_at_point(surface.adjacency(), field, arrivals, to,
+                                         std::optional<Path>(round), Cancel());
+    REQUIRE(found);
+    CHECK(*found == doctest::Approx(offset + distance(start, end)).epsilon(1e-9));
   }
 }

@@ -239,6 +239,37 @@ TEST_CASE("WhatIsTooSteepIsNotWalked") {
   CHECK(level.reached == 13);
 }
 
+// Rounding makes every other segment up such ground a little steeper.
+TEST_CASE("GroundAsSteepAsMayBeIsWalked") {
+  std::mt19937 random(fixtures::test_seed());
+  const auto fraction = [&] { return random() / 4294967296.0; };
+  constexpr std::uint32_t kSide = 9;
+  for (int round = 0; round < 6; ++round) {
+    CAPTURE(round);
+    const double slope = 0.05 + fraction();
+    CAPTURE(slope);
+    TriangleSoup soup = inclined(kSide, slope);
+    const bool is_far_out = round % 2 == 1;
+    if (is_far_out) {
+      const Vec3 away{5e6 * fraction(), 5e6 * fraction(), 5e6 * fraction()};
+      for (Vec3& p : soup.positions) p = p + away;
+    }
+    const Surface surface(soup);
+    const std::vector<Source> from{{surface.at(4 * kSide), 0}};
+    const Field lengths = costs(surface, from, nullptr);
+    const Field walked = costs(surface, from, cost_of({.steepest = slope, .up = {0, 0, 1}}));
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CHECK(walked.distance[v] == lengths.distance[v]);
+    }
+    if (is_far_out) continue;
+    // Straight up what is steeper, one does not go.
+    const Field round_about =
+        costs(surface, from, cost_of({.steepest = slope * (1 - 1e-6), .up = {0, 0, 1}}));
+    const std::uint32_t top = surface.vertex(4 * kSide + kSide - 1);
+    CHECK(round_about.distance[top] > lengths.distance[top]);
+  }
+}
+
 TEST_CASE("RatesOfATableAreLinearBetweenItsEntries") {
   const TravelCost cost(
       {.rate = TravelCost::Rate::table, .table = {{-1, 3}, {0, 1}, {0.5, 2}}, .up = {0, 0, 2}});

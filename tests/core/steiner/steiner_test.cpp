@@ -9,7 +9,9 @@
 #include <limits>
 #include <vector>
 
+#include "core/field/around_points.h"
 #include "core/field/edge_points.h"
+#include "core/field/longest_edge.h"
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/solve/scratch_parts.h"
@@ -19,6 +21,7 @@
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/random_meshes.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::Surface;
@@ -264,6 +267,66 @@ TEST_CASE("ASearchTowardsAGoalFindsWhatTheWholeFieldSays") {
     CHECK(PointArrivals(surface.adjacency(), *towards).distance_at(goal) ==
           PointArrivals(surface.adjacency(), whole).distance_at(goal));
     CHECK(towards->reached <= whole.reached);
+  }
+}
+
+namespace {
+
+// What a field that stops at the corners about a point says of it, and the way there, are those of
+// the whole field.
+void check_limited_is_as_whole(const Surface& surface, const std::vector<Source>& sources,
+                               const Field& whole, const SurfacePoint& point) {
+  const auto faces = *faces_around(surface.adjacency(), {&point, 1}, Cancel());
+  const auto corners = *vertices_around(surface.adjacency(), {&point, 1}, Cancel());
+  FieldLimits limits;
+  limits.targets = corners;
+  limits.beyond_targets = longest_edge_of(surface.adjacency(), faces);
+  const Field near = steiner(surface, sources, whole.edge_points->per_edge, limits);
+  const double expected = PointArrivals(surface.adjacency(), whole).distance_at(point);
+  CHECK(PointArrivals(surface.adjacency(), near).distance_at(point) == expected);
+  const auto path = surface.path(near, point);
+  REQUIRE(path.has_value() == (expected != kUnreached));
+  if (!path) return;
+  const auto whole_path = surface.path(whole, point);
+  REQUIRE(whole_path);
+  CHECK(path->source == whole_path->source);
+  CHECK(path->length == whole_path->length);
+}
+
+}  // namespace
+
+// A point may be farther than all corners of its face, where these have sources of their own.
+TEST_CASE("APointInsideAFaceIsAsFarByAFieldThatStopsAtItsCorners") {
+  const Surface two({{{0, 0, 0}, {10, 0, 0}, {5, 9, 0}, {5, -1, 0}}, {{0, 1, 2}, {1, 0, 3}}});
+  const std::vector<Source> at_corners{
+      {two.at(0), 0}, {two.at(1), 0}, {two.at(2), 0}, {two.on(1, {0.25, 0.25, 0.5}), 0}};
+  const Field whole = steiner(two, at_corners);
+  const double z = 0.5 / 9;
+  const SurfacePoint beside = two.on(0, {(1 - z) / 2, (1 - z) / 2, z});
+  CHECK(PointArrivals(two.adjacency(), whole).distance_at(beside) == doctest::Approx(1));
+  check_limited_is_as_whole(two, at_corners, whole, beside);
+
+  for (std::uint32_t round = 0; round < 30; ++round) {
+    const std::uint32_t number = fixtures::test_seed() + round;
+    CAPTURE(number);
+    fixtures::RandomMesh random(number);
+    const Surface surface(random.soup());
+    const auto anywhere = [&] {
+      if (random.below(3) == 0) return surface.at(random.vertex());
+      return surface.on(random.below(random.face_count()),
+                        {random.unit() + 0.01, random.below(4) == 0 ? 0 : random.unit() + 0.01,
+                         random.unit() + 0.01});
+    };
+    // In half of the rounds up to as many as there are faces.
+    const std::uint32_t count = 1 + random.below(random.below(2) == 0 ? 3 : random.face_count());
+    std::vector<Source> sources;
+    for (std::uint32_t s = 0; s < count; ++s) {
+      sources.push_back({anywhere(), 0.3 * random.unit()});
+    }
+    const Field everywhere = steiner(surface, sources, 1 + random.below(3));
+    for (int i = 0; i < 10; ++i) {
+      check_limited_is_as_whole(surface, sources, everywhere, anywhere());
+    }
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "core/mesh/shapes.h"
 #include "core/paths/arrive_at_point.h"
+#include "core/voronoi/face_cells.h"
 #include "tests/core/voronoi/cell_checks.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
@@ -330,6 +331,63 @@ TEST_CASE("RelaxedSitesAreSpreadEvenly") {
     CHECK((*again)[i].point.face == (*moved)[i].point.face);
     CHECK((*again)[i].point.bary == (*moved)[i].point.bary);
   }
+}
+
+// The middle of a parallelogram of two faces is on their common side, and rounding puts it beside.
+TEST_CASE("ASiteMovedOntoAnEdgeIsOnTheEdge") {
+  std::mt19937 random(test_seed() + 8);
+  const auto part = [&] { return 0.6 * (random() / 4294967296.0 - 0.5); };
+  for (int round = 0; round < 200; ++round) {
+    CAPTURE(round);
+    const Vec3 corner{10 * part(), 10 * part(), 10 * part()};
+    const Vec3 one{1 + part(), part(), part()};
+    const Vec3 other{part(), 1 + part(), part()};
+    const Surface surface(
+        {{corner, corner + one, corner + one + other, corner + other}, {{0, 1, 2}, {0, 2, 3}}});
+    SolveScratch scratch;
+    const auto moved = relax_sites(Method::exact, {}, surface.adjacency(), {{surface.at(0), 0}}, 1,
+                                   scratch, Cancel());
+    REQUIRE(moved);
+    const SurfacePoint& at = moved->front().point;
+    CHECK(edge_under(at) != kNone);
+    const Vec3 middle = corner + 0.5 * (one + other);
+    CHECK(distance(position_of(surface.mesh(), at), middle) < 1e-12);
+  }
+}
+
+// From within a circle of sites each part has a side for all of these that have cut it so far.
+TEST_CASE("CutsCountForAsManyStepsAsTheyHaveSidesToLookAt") {
+  std::mt19937 random(test_seed() + 9);
+  constexpr std::uint32_t kSites = 60;  // on the circle, and within it
+  const Surface surface(fixtures::single_triangle());
+  std::vector<Source> sites;
+  const auto add = [&](double x, double y) {
+    sites.push_back({surface.on(0, {1 - x / 3 - y / 4, x / 3, y / 4}), 0});
+  };
+  for (std::uint32_t i = 0; i < kSites; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSites;
+    add(1 + 0.5 * std::cos(angle), 1 + 0.5 * std::sin(angle));
+  }
+  for (std::uint32_t i = 0; i < kSites; ++i) {
+    const auto near_middle = [&] { return 0.9 + 0.2 * (random() / 4294967296.0); };
+    const double x = near_middle();
+    add(x, near_middle());
+  }
+  const Field field = surface.field_by(Method::exact, sites, without_details());
+  SolveScratch scratch;
+  const auto near = near_sites(Method::exact, {}, surface.adjacency(), field, points_of(field),
+                               scratch, Cancel());
+  REQUIRE(near);
+  constexpr std::uint32_t kBetween = 256;
+  std::uint64_t asked = 0;
+  const Cancel cancel([&] { return ++asked == 0; });
+  Poll poll(cancel, kBetween);
+  FaceCells face_cells(surface.adjacency(), *near);
+  CHECK(face_cells.parts_of(0, poll).size() == sites.size());
+  // Of each site within, i cuts leave i sides at the least. What is asked about at once may begin
+  // just before the steps are up.
+  constexpr std::uint64_t kSteps = kSites * (kSites * (kSites - 1) / 2);
+  CHECK(asked >= kSteps / (kBetween + 2 * kSites));
 }
 
 TEST_CASE("CellsAreStoppedInTheMiddle") {

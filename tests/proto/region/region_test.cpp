@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/mesh/shapes.h"
+#include "proto/region/costs.h"
 #include "proto/region/cut_regions.h"
 #include "proto/region/read_regions.h"
 #include "proto/wire/input_codes.h"
@@ -145,6 +146,39 @@ TEST_CASE("NamesCannotPassForOtherRegions") {
   }
 }
 
+TEST_CASE("WeightsOfTheFileGoByTheirAttributeAndThoseSentByTheirNumbers") {
+  const auto of_file = [](const std::string& attribute) {
+    Costs costs;
+    costs.weight_attribute = attribute;
+    return costs;
+  };
+  Costs read = of_file("_MUD");
+  read.face_weights.assign(100'000, 1.5);
+  CHECK_FALSE(of_file("_MUD").are_lengths());
+  CHECK(canonical_text(read) == canonical_text(of_file("_MUD")));
+  CHECK(canonical_text(read).size() < 200);
+  // Whatever is in a name, it passes for nothing else.
+  Costs sent;
+  sent.face_weights = {1.5};
+  Costs more = of_file("_MUD");
+  more.weights.push_back({{std::vector<FaceRange>{{1, 1}}, "weights[0]"}, 3});
+  Costs by_label = of_file("_MUD");
+  by_label.weights.push_back({{LabelShape{"_MUD", 1}, "weights[0]"}, 3});
+  const std::vector<Costs> all{Costs{},
+                               sent,
+                               of_file("_MUD"),
+                               of_file("_MUD2"),
+                               of_file("_MUD weight 3 within faces,1-1 forbid"),
+                               of_file("faces 1.5"),
+                               more,
+                               by_label};
+  for (const Costs& one : all) {
+    for (const Costs& other : all) {
+      CHECK((canonical_text(one) == canonical_text(other)) == (&one == &other));
+    }
+  }
+}
+
 TEST_CASE("AWallIsTheSameInAUrlAndInJson") {
   const auto walls = [](const json& value) { return read(json{{"walls", value}}.dump()); };
   const std::string known = text_of(walls(json::parse(R"({"points":["v:1",{"vertex":2}]})")));
@@ -189,6 +223,39 @@ TEST_CASE("AWallIsTheSameInAUrlAndInJson") {
   json many = json::array();
   for (std::size_t i = 0; i <= kMaxWalls; ++i) many.push_back("v:1;v:2");
   refused(walls(many), ErrorCode::too_large, "walls");
+}
+
+// None of these is a point: of lines that are too long, none is looked at.
+TEST_CASE("PointsOfLinesAreCountedBeforeTheyAreMade") {
+  const std::string text(kMaxLinePoints, ';');
+  const json list(std::vector<int>(kMaxLinePoints + 1, 7));
+  const ErrorCode large = ErrorCode::too_large;
+  const auto walls = [](const json& value) { return read(json{{"walls", value}}.dump()); };
+  for (const auto& [got, parameter] : std::vector<std::pair<Result<Regions>, std::string>>{
+           {walls(text), "walls"},
+           {walls({{"points", list}}), "walls"},
+           {forbid("inside:" + text), "forbid"},
+           {forbid({{"inside", list}}), "forbid"}}) {
+    refused(got, large, parameter);
+    CHECK(got.error().limit == kMaxLinePoints);
+    CHECK(got.error().actual == kMaxLinePoints + 1);
+  }
+  // One point fewer is looked at.
+  refused(walls(text.substr(1)), InputCode::bad_syntax, "walls.points[0]");
+  refused(forbid("inside:" + text.substr(1)), InputCode::bad_syntax, "forbid.inside[0]");
+  // Those of other lines are counted, too.
+  const std::string two = "v:1;v:2";
+  const json second = json::array({two, text.substr(2)});
+  refused(walls(second), large, "walls");
+  CHECK(walls(second).error().actual == kMaxLinePoints + 1);
+  // Shapes that are read one by one.
+  const auto shape = parse_shape("inside:" + text, "weights[0]");
+  REQUIRE_FALSE(shape);
+  CHECK(shape.error().code == large);
+  const auto in_json = parse_json_shape({{"inside", list}}, "weights[0].region");
+  REQUIRE_FALSE(in_json);
+  CHECK(in_json.error().code == large);
+  CHECK(in_json.error().parameter == "weights[0].region.inside");
 }
 
 TEST_CASE("RegionsThatAreNoneAreRefusedByName") {

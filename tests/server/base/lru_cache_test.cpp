@@ -184,6 +184,37 @@ TEST_CASE("when the maker is told to stop or throws, a waiter takes over") {
   }
 }
 
+TEST_CASE("what was refused to the maker for what it is, a waiter asks for again") {
+  for (const ErrorCode code : {ServiceCode::too_many_requests, ServiceCode::overloaded}) {
+    CAPTURE(code.name());
+    Cache cache(100, length);
+    std::promise<void> go;
+    auto maker = std::async(std::launch::async, [&] {
+      return cache.get_or_create("a", [&]() -> Result<Cache::Pointer> {
+        go.get_future().wait();
+        return fail(code, "too many computations of this client");
+      });
+    });
+    wait_until([&] { return cache.stats().makes == 1; });
+    Caller patient;
+    patient.is_patient = true;
+    auto job = std::async(std::launch::async,
+                          [&] { return cache.get_or_create("a", making("second"), patient); });
+    wait_until([&] { return cache.stats().waits == 1; });
+    auto other =
+        std::async(std::launch::async, [&] { return cache.get_or_create("a", making("second")); });
+    wait_until([&] { return cache.stats().waits == 2; });
+    go.set_value();
+    CHECK(maker.get().error().code == code);
+    const auto got = job.get();
+    REQUIRE(got);
+    CHECK(*got->value == "second");
+    // Who may not wait for long has waited as long as the maker did.
+    const auto shared = other.get();
+    CHECK((shared ? code == ServiceCode::too_many_requests : shared.error().code == code));
+  }
+}
+
 TEST_CASE("a waiter whose client leaves or whose time is over waits no longer") {
   Cache cache(100, length);
   std::latch made(1);

@@ -158,6 +158,39 @@ TEST_CASE("DeletingWhileOthersAskIsSafe") {
   CHECK(service.get("/v1/meshes/" + id + "/distance?from=v:0").status == 200);
 }
 
+TEST_CASE("WhatHadNoSlotYetGoesAheadOfNobody") {
+  const TemporaryFolder folder;
+  Service service(folder.path(), {}, 1);
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::plane(12, 10)));
+  const std::string near = json{{"point", std::vector<std::string>(5000, "v:7")}}.dump();
+  const std::string annotated = R"({"from": "v:7", "format": "annotated"})";
+  const auto nearest = [&] { return service.ask("POST", base + "/nearest", near); };
+  const auto cached = [&] { return service.ask("POST", base + "/distance", annotated); };
+  CHECK(nearest().status == 200);
+  CHECK(cached().status == 200);
+  std::promise<void> gate;
+  auto running = std::async(std::launch::async, [&] {
+    return service.pool.run([&](Worker&) -> Result<int> {
+      gate.get_future().wait();
+      return 1;
+    });
+  });
+  fixtures::wait_until([&] { return service.pool.stats().running == 1; });
+  service.pool.set_limits({0, 0, std::chrono::milliseconds(0)});
+  auto first = std::async(std::launch::async, nearest);
+  auto second = std::async(std::launch::async, cached);
+  // Neither waits for the slot.
+  const auto is_refused = [](std::future<HttpResponse>& reply) {
+    return reply.wait_for(std::chrono::seconds(30)) == std::future_status::ready;
+  };
+  const bool are_refused = is_refused(first) && is_refused(second);
+  gate.set_value();
+  CHECK(are_refused);
+  CHECK(first.get().status == 503);
+  CHECK(second.get().status == 503);
+  CHECK(running.get());
+}
+
 TEST_CASE("WhoIsRefusedHearsHowLongTheQueueIs") {
   const TemporaryFolder folder;
   Service service(folder.path(), {}, 1);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/shapes.h"
@@ -127,6 +128,21 @@ TEST_CASE("WeightsAreReadFromAnAttributeOfTheFile") {
           "/path?from=v:0&to=v:5&weight_attribute=_THREE", 422, "value_out_of_range");
   CHECK(plane.service.ask("DELETE", base).status == 204);
   CHECK(kept().empty());
+}
+
+// Of these there are as many as the mesh has faces.
+TEST_CASE("FieldsOfWeightsThatTheFileHasAreKnownByMeshAndAttribute") {
+  const auto key = [](const std::string& mesh, const std::string& attribute, double weight) {
+    proto::Costs costs;
+    costs.weight_attribute = attribute;
+    costs.face_weights = {weight, 2};
+    return AskedSurface(mesh, {}, std::move(costs)).field_key();
+  };
+  CHECK(key("a", "_MUD", 1) == key("a", "_MUD", 3));  // they are not looked at
+  CHECK(key("a", "_MUD", 1) != key("a", "_SNOW", 1));
+  CHECK(key("a", "_MUD", 1) != key("b", "_MUD", 1));
+  CHECK(key("a", "_MUD", 1) != key("a", "", 1));
+  CHECK(key("a", "", 1) != key("a", "", 3));
 }
 
 TEST_CASE("WeightsAreReadOutOfDracoData") {

@@ -446,6 +446,8 @@ TEST_CASE("AJobHasTheWholeStream") {
   CHECK(*done.body == expected);
   CHECK(done.content_type == "application/x-npy");
   CHECK(header_of(done, "Geo-Shape") == "3,3");
+  // It keeps the bytes alone, not what they came from.
+  CHECK(body_of(plane.service.get("/v1/status"))["replies"]["bytes"] == 0);
   // One that is broken off has no result.
   const std::string base = plane.add(shapes::terrain(150, 10, 7));
   asked = {{"from", far_apart(2000)}, {"method", "exact"}, {"stream", true}, {"deadline_ms", 500}};

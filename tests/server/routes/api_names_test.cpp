@@ -61,6 +61,20 @@ TEST_CASE("TheHeaderNamesAFileToo") {
   CHECK(other["name"] == "parameter");
 }
 
+TEST_CASE("ALongBodyAsksForMemoryBeforeItIsParsed") {
+  const TemporaryFolder folder;
+  Config config;
+  config.reply_memory_bytes = 1'000'000;
+  Service service(folder.path(), config);
+  const std::string base = "/v1/meshes/" + service.upload(glb_of(shapes::plane(5, 4)));
+  std::string values = "[]";
+  for (int i = 0; i < 30'000; ++i) values += ",[]";
+  const std::string body = R"({"name": "a", "x": [)" + values + "]}";
+  CHECK(body_of(service.ask("PATCH", base, body))["code"] == "too_much_memory");
+  CHECK(body_of(service.ask("POST", base + "/distance", body))["code"] == "too_much_memory");
+  CHECK(service.ask("PATCH", base, R"({"name": "a"})").status == 200);
+}
+
 TEST_CASE("AMeshIsRenamedAndTheNameTakenAway") {
   const TemporaryFolder folder;
   Service service(folder.path());

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <string>
 
 #include "tests/fixtures/sanitizers.h"
 #include "tests/server/routes/plane_service.h"
@@ -163,6 +164,39 @@ TEST_CASE("WeldedVerticesGetEqualValues") {
   // A face that welding has made an edge is still a place.
   const json nearest = body_of(service.get(base + "/nearest?point=f:2,0.25,0.25"));
   CHECK(nearest["points"][0]["xyz"] == json::parse("[0.5,0,0]"));
+}
+
+// The cache counts its fields, not what it knows them by.
+TEST_CASE("AFieldIsKnownByLittleHoweverManySourcesItHas") {
+  PlaneService plane;
+  const auto cached = [&]() -> json {
+    return body_of(plane.service.get("/debug/cache"))["fields"];
+  };
+  json from = json::array();
+  for (int i = 0; i < 1000; ++i) {
+    from.push_back("f:" + std::to_string(i % 198) + ",0.1," + std::to_string(0.2 + i / 2000.0));
+  }
+  const auto ask = [&](const json& sources) {
+    const HttpResponse response = plane.service.ask(
+        "POST", plane.base + "/distance", json{{"from", sources}, {"method", "dijkstra"}}.dump());
+    REQUIRE(response.status == 200);
+    return header_of(response, "Geo-Cache");
+  };
+  CHECK(ask(from) == "miss");
+  CHECK(ask(from) == "hit");
+  from.back() = "f:7,0.1,0.25";
+  CHECK(ask(from) == "miss");
+  CHECK(ask(from) == "hit");
+  CHECK(ask({"v:0"}) == "miss");
+  REQUIRE(cached().size() == 3);
+  for (const json& entry : cached()) {
+    const auto key = entry["key"].get<std::string>();
+    CHECK(key.size() <= 512);
+    CHECK(key.starts_with(plane.id + "/"));
+  }
+  // By its beginning, they go with their mesh.
+  CHECK(plane.service.ask("DELETE", plane.base).status == 204);
+  CHECK(cached().empty());
 }
 
 TEST_CASE("AMillionVerticesUploadPrepareAndAnswer") {

@@ -1,6 +1,7 @@
 // Large replies ask for their memory before they are made; the bytes of a mesh take none.
 #include <doctest/doctest.h>
 
+#include <cstdint>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -25,6 +26,13 @@ Config with_reply_memory(std::uint64_t bytes) {
 }
 
 json replies_of(PlaneService& plane) { return body_of(plane.service.get("/v1/status"))["replies"]; }
+
+// So many balls, each of which has all faces of a plane of 100 x 100 vertices.
+json balls_of_all_faces(int count) {
+  json balls = json::array();
+  for (int i = 0; i < count; ++i) balls.push_back("sphere:0,0,0," + std::to_string(1000 + i));
+  return balls;
+}
 
 }  // namespace
 
@@ -76,6 +84,86 @@ TEST_CASE("OneClientCannotHoldAllMemoryForReplies") {
   budget.set_budget(20);
   CHECK(budget.reserve(21, "ann").error().code == ServiceCode::too_much_memory);
   CHECK(budget.reserve(20, "ann"));
+}
+
+TEST_CASE("PartsOfAShareAreAskedForTogetherAndGivenBackApart") {
+  ReplyBudget budget(100);
+  const auto share = budget.share_of_nothing("ann");
+  auto first = ReplyBudget::take_part(share, 40);
+  REQUIRE(first);
+  auto second = ReplyBudget::take_part(share, 50);  // it is alone, so it may have all
+  REQUIRE(second);
+  CHECK(budget.stats().bytes == 90);
+  const auto never = ReplyBudget::take_part(share, 20);
+  REQUIRE_FALSE(never);
+  CHECK(never.error().code == ServiceCode::too_much_memory);
+  CHECK(budget.reserve(20, "bob").error().code == ServiceCode::overloaded);
+  first->reset();
+  CHECK(budget.stats().bytes == 50);
+  CHECK(ReplyBudget::take_part(share, 20));
+  CHECK(budget.stats().bytes == 50);  // nobody has kept it
+  second->reset();
+  CHECK(budget.stats().bytes == 0);
+}
+
+TEST_CASE("LinesOfATableAreAskedOfTheMemoryForRepliesUntilTheirEntriesAreThere") {
+  PlaneService plane(with_reply_memory(500'000));
+  const std::string base = plane.add(shapes::plane(100, 100));
+  constexpr std::uint64_t kBytesOfBall = 2 * 99 * 99 * sizeof(std::uint32_t);
+  for (const std::string form : {"", "stream", "sparse"}) {
+    CAPTURE(form);
+    const auto table = [&](const json& from) {
+      json asked{{"from", from}, {"max", 1}};
+      if (!form.empty()) asked[form] = true;
+      return plane.service.ask("POST", base + "/table", asked.dump());
+    };
+    const HttpResponse refused = table(balls_of_all_faces(10));
+    check_problem(refused, 422, "too_much_memory");
+    CHECK(body_of(refused)["limit"] == 500'000);
+    CHECK(body_of(refused)["actual"] > 10 * kBytesOfBall);
+    CHECK(body_of(refused)["actual"] < 11 * kBytesOfBall);
+    CHECK(replies_of(plane)["bytes"] == 0);
+    if (form != "sparse") {  // whose first entry asks for more than all of this
+      // What they were needed for is over before the first row is sent.
+      const HttpResponse fits = table(balls_of_all_faces(3));
+      CHECK(fits.status == 200);
+      CHECK(replies_of(plane)["bytes"] < kBytesOfBall);
+    }
+    CHECK(replies_of(plane)["bytes"] == 0);
+  }
+}
+
+TEST_CASE("LinesThatAQueryStartsFromCountAsLongAsItHoldsThem") {
+  const TriangleSoup strip = shapes::plane(1000, 4);
+  constexpr std::uint64_t kEdges = 2 * (999 + 3);  // of the boundary
+  {
+    PlaneService small(with_reply_memory(200'000));
+    const std::string base = small.add(strip);
+    for (const char* query : {"/distance?from=boundary&at=v:7", "/isolines?from=boundary&levels=1",
+                              "/table?from=boundary&to=v:7", "/table?from=v:7&to=boundary",
+                              "/table?from=boundary&to=v:7&stream=1"}) {
+      CAPTURE(query);
+      check_problem(small.service.get(base + query), 422, "too_much_memory");
+    }
+    // What is as small as most counts nowhere.
+    CHECK(small.service.get(base + "/distance?from=curve:v:0;v:7&at=v:9").status == 200);
+    CHECK(replies_of(small)["bytes"] == 0);
+  }
+  PlaneService plane(with_reply_memory(400'000));
+  const std::string base = plane.add(strip);
+  HttpResponse stream = plane.service.get(base + "/table?from=boundary&to=v:7&to=v:9&stream=1");
+  REQUIRE(stream.status == 200);
+  CHECK(replies_of(plane)["bytes"] > 100 * kEdges);
+  for (const char* query : {"/distance?from=boundary&at=v:7", "/table?from=v:7&to=boundary"}) {
+    CAPTURE(query);
+    const HttpResponse refused = plane.service.get(base + query);
+    check_problem(refused, 503, "overloaded");
+    CHECK_FALSE(header_of(refused, "Retry-After").empty());
+  }
+  stream = {};
+  CHECK(replies_of(plane)["bytes"] == 0);
+  CHECK(plane.service.get(base + "/distance?from=boundary&at=v:7").status == 200);
+  CHECK(replies_of(plane)["bytes"] == 0);
 }
 
 TEST_CASE("AReplyThatNeverFitsIsRefusedForGoodAndNamesTheLimit") {

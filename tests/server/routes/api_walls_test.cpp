@@ -114,6 +114,23 @@ TEST_CASE("AVertexOnAWallIsAsFarAsTheNearerOfItsSides") {
   CHECK(other["distances"][62] == doctest::Approx(std::hypot(3, 3) + std::hypot(4, 3)));
 }
 
+TEST_CASE("ADiscAtAWallHasTheVerticesThatTheFieldHas") {
+  PlaneService plane;
+  // A closed wall along edges, about the source.
+  const std::string wall = "&walls=v:26;v:30;v:78;v:74;v:26";
+  const std::string from = "from=v:52&method=exact" + wall;
+  const json field = plane.ask("/distance?" + from);
+  CHECK(field["reached"] == 25);
+  for (const char* side : {"v:52", "v:0"}) {  // the first copy of a vertex is on either side
+    const std::string which = "from=" + std::string(side) + "&method=exact" + wall;
+    const json whole = plane.ask("/distance?" + which);
+    const json measured = plane.ask("/measure?" + which + "&radii=100");
+    CHECK(measured["max"] == whole["max"]);
+    CHECK(measured["farthest"] == whole["farthest"]);
+    CHECK(measured["discs"][0]["vertices"] == whole["reached"]);
+  }
+}
+
 // Vertices of walls are in the cell that their label says.
 TEST_CASE("CellsBetweenWallsHaveTheVerticesOfTheirLabels") {
   const std::uint32_t seed = test_seed();
