@@ -22,6 +22,7 @@ using namespace geodesic;
 using namespace geodesic::server;
 using namespace geodesic::server::test;
 using namespace std::chrono_literals;
+using geodesic::fixtures::is_soon;
 using geodesic::fixtures::wait_until;
 
 namespace {
@@ -146,7 +147,8 @@ TEST_CASE("parts that have no room beside each other are done with fewer slots")
   const auto part = [&](Worker& worker, std::size_t i, const GiveWay&) -> Result<void> {
     worker.memory->limit_to_query();
     const Taken memory(40 * kMiB);
-    std::this_thread::sleep_for(5ms);  // so that they meet
+    // Kept until a part has met it and found no room, however late its thread starts.
+    CHECK(is_soon([&] { return pool.memory().crowded_out > 0; }));
     ++done[i];
     return {};
   };
