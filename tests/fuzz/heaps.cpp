@@ -17,7 +17,7 @@
 namespace geodesic::fuzz {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(GEODESIC_FUZZ)
+#ifdef GEODESIC_SANITIZED
 constexpr double kMostSeconds = 20;  // sanitizers take ten times as long
 #else
 constexpr double kMostSeconds = 2;  // of processor time
