@@ -27,7 +27,10 @@ static void* allocate(std::size_t bytes, std::size_t alignment) {
       return memory;
     }
     const std::new_handler handler = std::get_new_handler();
-    if (handler == nullptr) throw std::bad_alloc();
+    if (handler == nullptr) {
+      if (job != nullptr) job->allocated(0);
+      throw std::bad_alloc();
+    }
     handler();
   }
 }

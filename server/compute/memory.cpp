@@ -1,6 +1,7 @@
 #include "server/compute/memory.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "server/base/service_codes.h"
@@ -14,6 +15,10 @@ thread_local JobMemory* job_here = nullptr;
 constexpr std::int64_t kStep = std::int64_t{1} << 20;
 // A refused job may exceed its limit by so many bytes, to end in order.
 constexpr std::uint64_t kToEnd = std::uint64_t{32} << 20;
+// What is smaller than that in bytes is counted once it is there; so is what no system has, for
+// which sums would overflow.
+constexpr std::size_t kCountedFirst = std::size_t{1} << 20;
+constexpr std::size_t kNeverThere = std::size_t{1} << 60;
 // Returning less than this to the system is not worth trim_heaps().
 constexpr std::int64_t kMuch = std::int64_t{64} << 20;
 
@@ -111,17 +116,37 @@ std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
 }
 
 bool JobMemory::may_allocate(std::size_t bytes) {
-  if (is_within(bytes) || asks_) return true;
-  if (refusal()) return held() + bytes <= held_at_refusal_ + kToEnd;
-  asks_ = true;  // making the error allocates too
-  const bool may = budget_.may_take(bytes);
-  asks_ = false;
-  return may;
+  const bool is_counted_first = bytes >= kCountedFirst && bytes < kNeverThere;
+  while (!asks_ && !(is_counted_first ? reserve(bytes) : is_within(bytes))) {
+    if (refusal()) return held() + bytes <= held_at_refusal_ + kToEnd;
+    asks_ = true;  // making the error allocates too
+    const bool may = budget_.may_take(bytes);
+    asks_ = false;
+    if (!may) return false;
+    // Another job has just given back what was missing.
+  }
+  return true;
+}
+
+// Jobs that ask at the same moment share what room there is: the sum of all grows with the answer.
+bool JobMemory::reserve(std::size_t bytes) {
+  if (limit_ != 0 && held() + bytes > limit_) return false;
+  const std::int64_t then = held_ + static_cast<std::int64_t>(bytes);
+  const std::uint64_t most = all_.limit_;
+  std::int64_t all = all_.held_;
+  do {
+    if (most != 0 && not_negative(all + then - told_) > most) return false;
+  } while (!all_.held_.compare_exchange_weak(all, all + then - told_));
+  held_ = told_ = then;
+  most_ = std::max(most_, held_);
+  reserved_ = static_cast<std::int64_t>(bytes);
+  return true;
 }
 
 void JobMemory::allocated(std::size_t bytes) {
-  held_ += static_cast<std::int64_t>(bytes);
-  if (held_ - told_ > kStep) tell();
+  held_ += static_cast<std::int64_t>(bytes) - reserved_;
+  reserved_ = 0;
+  if (std::abs(held_ - told_) > kStep) tell();
 }
 
 void JobMemory::freed(std::size_t bytes) {

@@ -88,7 +88,8 @@ class JobMemory {
   // Whether the job has freed so much since its peak that it is worth giving back to the system.
   [[nodiscard]] bool has_freed_much() const;
 
-  // Told by `operator new` and `operator delete`.
+  // Told by `operator new` and `operator delete`. After may_allocate() follows allocated(), with
+  // what was taken: 0 if the system had nothing to give.
   [[nodiscard]] bool may_allocate(std::size_t bytes);
   void allocated(std::size_t bytes);
   void freed(std::size_t bytes);
@@ -97,6 +98,7 @@ class JobMemory {
   [[nodiscard]] std::optional<Error> ask(std::uint64_t bytes);
   [[nodiscard]] bool is_within(std::uint64_t bytes) const;
   [[nodiscard]] std::uint64_t held_by_all() const;
+  [[nodiscard]] bool reserve(std::size_t bytes);
   void tell();
 
   ComputeMemory& all_;
@@ -106,6 +108,7 @@ class JobMemory {
   std::int64_t held_;
   std::int64_t told_;  // of that, what `all_` knows
   std::int64_t most_;
+  std::int64_t reserved_ = 0;  // of what is held, what is about to be allocated
   std::uint64_t kept_;
   std::uint64_t held_at_refusal_ = 0;
   std::uint64_t wanted_at_refusal_ = 0;

@@ -3,12 +3,16 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <future>
 #include <memory>
+#include <new>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/base/service_codes.h"
@@ -90,6 +94,52 @@ TEST_CASE("a job that has no room beside others is told to come back, and later 
   CHECK(first.get() == 1);
   CHECK(pool.run(query_taking(50 * kMiB)) == 50 * kMiB);
   CHECK(pool.memory().crowded_out == 1);
+  CHECK(pool.memory().bytes == 0);
+}
+
+TEST_CASE("jobs that ask at the same moment never hold more than all may have") {
+  constexpr std::size_t kJobs = 4;
+  for (int round = 0; round < 100; ++round) {
+    ComputePool pool(kJobs, 8);
+    pool.set_memory_limits({80 * kMiB, 100 * kMiB});
+    std::atomic<std::size_t> ready = 0;
+    std::atomic<std::size_t> asked = 0;
+    std::atomic<std::size_t> had_room = 0;
+    std::vector<std::future<Result<int>>> jobs;
+    for (std::size_t i = 0; i < kJobs; ++i) {
+      jobs.push_back(std::async(std::launch::async, [&] {
+        return pool.run([&](Worker&) -> Result<int> {
+          ++ready;
+          while (ready < kJobs) std::this_thread::yield();
+          std::unique_ptr<Taken> taken;
+          try {
+            taken = std::make_unique<Taken>(40 * kMiB);
+            ++had_room;
+          } catch (const std::bad_alloc&) {
+          }
+          ++asked;
+          while (asked < kJobs) std::this_thread::yield();
+          return 1;
+        });
+      }));
+    }
+    for (auto& job : jobs) (void)job.get();
+    REQUIRE(had_room == 2);
+    REQUIRE(pool.memory().bytes == 0);
+  }
+}
+
+// A sanitizer would end the program.
+TEST_CASE("what the system has not is not counted" * doctest::skip(fixtures::kSanitized)) {
+  ComputePool pool(1, 4);
+  for (const std::uint64_t bytes : {std::uint64_t{1} << 50, std::uint64_t{1} << 61}) {
+    const auto huge = pool.run([&](Worker& worker) -> Result<bool> {
+      const std::unique_ptr<char[]> none(new (std::nothrow) char[bytes]);
+      CHECK(worker.memory->held() < kMiB);
+      return none == nullptr;
+    });
+    CHECK(huge == true);
+  }
   CHECK(pool.memory().bytes == 0);
 }
 
