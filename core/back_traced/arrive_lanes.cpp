@@ -9,10 +9,10 @@ namespace geodesic {
 namespace {
 
 // The steps of arrive(), with a choice between lanes where that has a branch.
-template <std::size_t kWide>
-GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const double* distance,
-                                       const Halfedge* bases, double* to_distance,
-                                       float* to_crossing) {
+template <std::size_t kWide, bool kSeveralSources>
+GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const FrontDistances& distances,
+                                       const Halfedge* bases, const std::uint32_t* sources,
+                                       double* to_distance, float* to_crossing) {
   using Lanes = lanes::Lanes<kWide>;
   using Reals = typename Lanes::Reals;
   using Flags = typename Lanes::Flags;
@@ -31,8 +31,11 @@ GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const double* di
   Lanes::gather(q, [&](std::size_t i) { return face[i]->dot[at_head[i]]; });
   Lanes::gather(w, [&](std::size_t i) { return face[i]->dot[at_apex[i]]; });
   Lanes::gather(height, [&](std::size_t i) { return face[i]->area2; });
-  Lanes::gather(dp, [&](std::size_t i) { return distance[face[i]->vertex[at_tail[i]]]; });
-  Lanes::gather(dq, [&](std::size_t i) { return distance[face[i]->vertex[at_head[i]]]; });
+  const auto distance = [&](std::size_t i, std::uint32_t at) {
+    return distances.at<kSeveralSources>(face[i]->vertex[at], kSeveralSources ? sources[i] : 0);
+  };
+  Lanes::gather(dp, [&](std::size_t i) { return distance(i, at_tail[i]); });
+  Lanes::gather(dq, [&](std::size_t i) { return distance(i, at_head[i]); });
   const Reals zero = {};
   const Reals one = zero + 1;
   const Reals base2 = p + q;
@@ -84,48 +87,53 @@ GEODESIC_LANES_INLINE void arrive_some(const FaceRecord* faces, const double* di
   }
 }
 
+// What is asked for in one call.
+struct Task {
+  const FaceRecord* faces;
+  FrontDistances distances;
+  const Halfedge* bases;
+  const std::uint32_t* sources;
+};
+
 template <std::size_t kWide>
-GEODESIC_LANES_INLINE void arrive_all(const FaceRecord* faces, const double* distance,
-                                      const Halfedge* bases, ArrivalLanes& to) {
+GEODESIC_LANES_INLINE void arrive_all(const Task& task, ArrivalLanes& to) {
+  const auto& [faces, distances, bases, sources] = task;
   for (std::size_t i = 0; i < ArrivalLanes::kLanes; i += kWide) {
-    arrive_some<kWide>(faces, distance, bases + i, to.distance.data() + i, to.crossing.data() + i);
+    double* const distance = to.distance.data() + i;
+    float* const crossing = to.crossing.data() + i;
+    if (distances.has_several_sources()) {
+      arrive_some<kWide, true>(faces, distances, bases + i, sources + i, distance, crossing);
+    } else {
+      arrive_some<kWide, false>(faces, distances, bases + i, nullptr, distance, crossing);
+    }
   }
 }
 
-void arrive_plain(const FaceRecord* faces, const double* distance, const Halfedge* bases,
-                  ArrivalLanes& to) {
-  arrive_all<lanes::kPlain>(faces, distance, bases, to);
-}
+void arrive_plain(const Task& task, ArrivalLanes& to) { arrive_all<lanes::kPlain>(task, to); }
 
 #ifdef __x86_64__
-__attribute__((target("avx2"))) void arrive_avx2(const FaceRecord* faces, const double* distance,
-                                                 const Halfedge* bases, ArrivalLanes& to) {
-  arrive_all<lanes::kWithAvx2>(faces, distance, bases, to);
+__attribute__((target("avx2"))) void arrive_avx2(const Task& task, ArrivalLanes& to) {
+  arrive_all<lanes::kWithAvx2>(task, to);
 }
 
-__attribute__((target("avx512f,avx512vl,avx512dq"))) void arrive_avx512(const FaceRecord* faces,
-                                                                        const double* distance,
-                                                                        const Halfedge* bases,
+__attribute__((target("avx512f,avx512vl,avx512dq"))) void arrive_avx512(const Task& task,
                                                                         ArrivalLanes& to) {
-  arrive_all<lanes::kWithAvx2>(faces, distance, bases, to);
+  arrive_all<lanes::kWithAvx2>(task, to);
 }
 #endif
 
 }  // namespace
 
-void arrive_lanes(std::span<const FaceRecord> faces, std::span<const double> distance,
-                  std::span<const Halfedge, ArrivalLanes::kLanes> bases, Vectors vectors,
-                  ArrivalLanes& to) {
+void arrive_lanes(std::span<const FaceRecord> faces, const FrontDistances& distances,
+                  std::span<const Halfedge, ArrivalLanes::kLanes> bases,
+                  const std::uint32_t* sources, Vectors vectors, ArrivalLanes& to) {
+  const Task task{faces.data(), distances, bases.data(), sources};
 #ifdef __x86_64__
-  if (vectors == Vectors::avx512) {
-    return arrive_avx512(faces.data(), distance.data(), bases.data(), to);
-  }
-  if (vectors == Vectors::avx2) {
-    return arrive_avx2(faces.data(), distance.data(), bases.data(), to);
-  }
+  if (vectors == Vectors::avx512) return arrive_avx512(task, to);
+  if (vectors == Vectors::avx2) return arrive_avx2(task, to);
 #endif
   (void)vectors;
-  arrive_plain(faces.data(), distance.data(), bases.data(), to);
+  arrive_plain(task, to);
 }
 
 }  // namespace geodesic

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <span>
 
+#include "core/back_traced/front_distances.h"
 #include "core/base/vectors.h"
 #include "core/surface/face_record.h"
 
@@ -21,10 +22,11 @@ struct ArrivalLanes {
   static constexpr float kBendsAtHead = 2;   // Fig4::c
 };
 
-// The arrivals at the vertices opposite these halfedges, from the distances at their
-// ends, which must be finite. All eight are computed; `distance` has an entry per vertex.
-void arrive_lanes(std::span<const FaceRecord> faces, std::span<const double> distance,
-                  std::span<const Halfedge, ArrivalLanes::kLanes> bases, Vectors vectors,
-                  ArrivalLanes& to);
+// The arrivals at the vertices opposite these halfedges, from the distances at their ends, which
+// must be finite. All eight are computed. `sources`: of each halfedge the number of the source that
+// it is about; may be null where there is one.
+void arrive_lanes(std::span<const FaceRecord> faces, const FrontDistances& distances,
+                  std::span<const Halfedge, ArrivalLanes::kLanes> bases,
+                  const std::uint32_t* sources, Vectors vectors, ArrivalLanes& to);
 
 }  // namespace geodesic

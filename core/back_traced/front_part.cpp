@@ -7,7 +7,7 @@
 
 #include "core/back_traced/part_trace.h"
 #include "core/base/lane_arithmetic.h"
-#include "core/surface/side_not_below.h"
+#include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 namespace {
@@ -27,9 +27,9 @@ constexpr std::array<std::uint8_t, 6> kFartherCorner{1, 2, 2, 0, 0, 1};
 
 }  // namespace
 
-void trace_back(const FrontState& front, std::span<const std::uint32_t> vertices,
-                std::span<double> best, FrontRoom& room, Poll& poll) {
-  PartTrace trace(front, vertices, best, room, poll);
+void trace_back(const FrontState& front, std::span<const Slot> slots, std::span<double> best,
+                FrontRoom& room, Poll& poll) {
+  PartTrace trace(front, slots, best, room, poll);
   trace.trace_known();
   trace.ask_other_faces();
 }
@@ -39,14 +39,14 @@ void PartTrace::trace_known() {
   for (std::uint32_t i = 0; i < part_.size(); ++i) {
     if (poll_.cancelled()) break;
     // For the spread: a few at a time, for many at once would have to queue.
-    const std::size_t begin = std::min<std::size_t>(surface_.corner_begin[part_[i]],
+    const std::size_t begin = std::min<std::size_t>(surface_.corner_begin[vertex(i)],
                                                     surface_.all_corners.size() - at_once);
     for (const std::uint32_t corner : surface_.all_corners.subspan(begin, at_once)) {
       __builtin_prefetch(&surface_.faces[face_of(corner)]);
     }
     const FrontVertex& known = front_.vertices[part_[i]];
     double& best = best_[i];
-    best = distance_[part_[i]];
+    best = distances_.in(part_[i]);
     if (known.base == kNone) continue;  // straight from the source
     const bool bends_at_tail = known.crossing == ArrivalLanes::kBendsAtTail;
     if (!bends_at_tail && known.crossing != ArrivalLanes::kBendsAtHead) {
@@ -60,8 +60,8 @@ void PartTrace::trace_known() {
       return surface_.is_even ? std::sqrt(std::max(face.length2(side), 0.0))
                               : side_not_below(face, side);
     };
-    const double by_tail = distance_[face.vertex[c]] + length(previous_corner(c));
-    const double by_head = distance_[face.vertex[n]] + length(n);
+    const double by_tail = distances_.at(face.vertex[c], source(i)) + length(previous_corner(c));
+    const double by_head = distances_.at(face.vertex[n], source(i)) + length(n);
     best = std::min({best, by_tail, by_head});
     // At a pinched vertex only one end may have a distance.
     if (!(std::max(by_tail, by_head) < kUnreached)) continue;
@@ -72,7 +72,7 @@ void PartTrace::trace_known() {
 
 void PartTrace::flush() {
   if (traces_.count == 0) return;
-  trace_lanes(surface_, distance_, front_.rule, front_.vectors, traces_, &front_.crowds);
+  trace_lanes(surface_, distances_, front_.rule, front_.vectors, traces_, &front_.crowds);
   for (std::size_t i = 0; i < traces_.count; ++i) {
     double& best = best_[traced_[i]];
     best = std::min(best, traces_.best[i]);
@@ -85,17 +85,22 @@ void PartTrace::ask_other_faces() {
   std::vector<FrontRoom::Ask>& asks = room_.asks;
   bases.clear();
   asks.clear();
+  room_.sources_of_bases.clear();
   for (std::uint32_t i = 0; i < part_.size(); ++i) {
     if (!is_doubtful(part_[i], best_[i])) continue;
-    for (const std::uint32_t corner : surface_.corners(part_[i])) {
+    const auto distance = [&, number = source(i)](std::uint32_t v) {
+      return distances_.at(v, number);
+    };
+    for (const std::uint32_t corner : surface_.corners(vertex(i))) {
       if (poll_.cancelled()) break;
       const std::uint32_t n = next_corner(corner_of(corner));
       const Halfedge base = halfedge(face_of(corner), n);
       const FaceRecord& face = surface_.faces[face_of(corner)];
       if (base == front_.vertices[part_[i]].base) continue;
-      if (!(distance_[face.vertex[n]] + distance_[face.vertex[next_corner(n)]] < kUnreached))
+      if (!(distance(face.vertex[n]) + distance(face.vertex[next_corner(n)]) < kUnreached))
         continue;
       bases.push_back(base);
+      room_.sources_of_bases.push_back(source(i));
       asks.push_back({i, best_[i]});
     }
   }
@@ -108,64 +113,84 @@ void PartTrace::ask_other_faces() {
   flush();
 }
 
-bool PartTrace::is_doubtful(std::uint32_t vertex, double best) const {
-  const FrontVertex& known = front_.vertices[vertex];
+bool PartTrace::is_doubtful(Slot slot, double best) const {
+  const FrontVertex& known = front_.vertices[slot];
   if (known.base == kNone) return false;
   const double base2 = surface_.faces[face_of(known.base)].length2(corner_of(known.base));
-  const double above = best - known.estimate;
+  // Of one source estimates have no offset.
+  const double offset =
+      distances_.has_several_sources() ? front_.sources[distances_.source_of(slot)].offset : 0;
+  const double above = best - (known.estimate - offset);
   return above > 0 && above * above > kSuspicious * kSuspicious * base2;
 }
 
 namespace {
 
-// The corners at the vertices, one after the other; how many there are. Behind them is what
-// nobody asked for.
-std::size_t list_corners(const Triangulation& surface, std::span<const std::uint32_t> vertices,
-                         std::vector<std::uint32_t>& corners) {
+// The corners at the vertices of these slots, one after the other; how many there are. Behind them
+// is what nobody asked for.
+std::size_t list_corners(const FrontState& front, std::span<const Slot> slots, FrontRoom& room) {
+  const Triangulation& surface = front.surface;
+  const bool are_several = front.distances.has_several_sources();
   const std::span<const std::uint32_t> all = surface.all_corners;
+  std::vector<std::uint32_t>& corners = room.corners;
+  std::vector<std::uint32_t>& sources = room.sources_of_corners;
+  sources.clear();
   std::size_t count = 0;
-  for (const std::uint32_t v : vertices) {
+  for (const Slot slot : slots) {
+    const std::uint32_t v = front.distances.vertex_of(slot);
     const std::size_t begin = surface.corner_begin[v];
     const std::size_t at_vertex = surface.corner_begin[v + 1] - begin;
-    const std::size_t room = count + std::max(at_vertex, kMostCorners);
-    if (corners.size() < room) corners.resize(2 * room);
+    const std::size_t room_for = count + std::max(at_vertex, kMostCorners);
+    if (corners.size() < room_for) corners.resize(2 * room_for);
     if (at_vertex <= kMostCorners && begin + kMostCorners <= all.size()) [[likely]] {
       std::memcpy(corners.data() + count, all.data() + begin, kMostCorners * sizeof(std::uint32_t));
     } else {
       std::memcpy(corners.data() + count, all.data() + begin, at_vertex * sizeof(std::uint32_t));
     }
     count += at_vertex;
+    if (are_several) sources.resize(count, front.distances.source_of(slot));
+  }
+  return count;
+}
+
+template <bool kSeveralSources>
+std::size_t list_bases_of(const FrontState& front, std::size_t corners, FrontRoom& room) {
+  const FaceRecord* const faces = front.surface.faces.data();
+  const FrontDistances distances = front.distances;
+  const FrontVertex* const known = front.vertices.data();
+  std::uint32_t* const sources = room.sources_of_bases.data();
+  Halfedge* const bases = room.bases.data();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const std::uint32_t corner = room.corners[i];
+    const FaceRecord& face = faces[face_of(corner)];
+    const std::uint32_t c = corner_of(corner);
+    const std::uint32_t source = kSeveralSources ? room.sources_of_corners[i] : 0;
+    const auto distance = [&](std::uint32_t v) { return distances.at<kSeveralSources>(v, source); };
+    const double own = distance(face.vertex[c]);
+    const double at_ahead = distance(face.vertex[lanes::kNextCorner[c]]);
+    const double at_behind = distance(face.vertex[lanes::kPreviousCorner[c]]);
+    const double nearer = std::min(at_ahead, at_behind);
+    const double farther = std::max(at_ahead, at_behind);
+    // Without a branch, which nobody could predict.
+    const std::size_t which = 2 * c + static_cast<std::size_t>(at_ahead < at_behind);
+    bases[count] = corner - c + kNearerSide[which];
+    if constexpr (kSeveralSources) sources[count] = source;
+    const std::uint32_t apex = face.vertex[kFartherCorner[which]];
+    __builtin_prefetch(&known[apex]);
+    count += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
   }
   return count;
 }
 
 }  // namespace
 
-std::size_t list_bases(const FrontState& front, std::span<const std::uint32_t> vertices,
-                       FrontRoom& room) {
-  const std::size_t corners = list_corners(front.surface, vertices, room.corners);
-  std::vector<Halfedge>& bases = room.bases;
-  bases.resize(corners + ArrivalLanes::kLanes);
-  const FaceRecord* const faces = front.surface.faces.data();
-  const double* const distance = front.distance.data();
-  const FrontVertex* const known = front.vertices.data();
-  Halfedge* next = bases.data();
-  for (std::size_t i = 0; i < corners; ++i) {
-    const std::uint32_t corner = room.corners[i];
-    const FaceRecord& face = faces[face_of(corner)];
-    const std::uint32_t c = corner_of(corner);
-    const double own = distance[face.vertex[c]];
-    const double at_ahead = distance[face.vertex[lanes::kNextCorner[c]]];
-    const double at_behind = distance[face.vertex[lanes::kPreviousCorner[c]]];
-    const double nearer = std::min(at_ahead, at_behind);
-    const double farther = std::max(at_ahead, at_behind);
-    // Without a branch, which nobody could predict.
-    const std::size_t which = 2 * c + static_cast<std::size_t>(at_ahead < at_behind);
-    *next = corner - c + kNearerSide[which];
-    __builtin_prefetch(&known[face.vertex[kFartherCorner[which]]]);
-    next += static_cast<std::size_t>((nearer < kUnreached) & (own < farther));
-  }
-  return static_cast<std::size_t>(next - bases.data());
+std::size_t list_bases(const FrontState& front, std::span<const Slot> slots, FrontRoom& room) {
+  const std::size_t corners = list_corners(front, slots, room);
+  room.bases.resize(corners + ArrivalLanes::kLanes);
+  if (!front.distances.has_several_sources()) return list_bases_of<false>(front, corners, room);
+  room.sources_of_bases.resize(corners + ArrivalLanes::kLanes);
+  return list_bases_of<true>(front, corners, room);
 }
 
 }  // namespace geodesic

@@ -21,24 +21,26 @@ namespace geodesic {
 // A front between two of its steps.
 struct FrontState {
   const Triangulation& surface;
-  std::span<const double> distance;       // by vertex
-  std::span<const FrontVertex> vertices;  // by vertex
+  FrontDistances distances;
+  std::span<const FrontVertex> vertices;  // by slot
+  std::span<const Source> sources;
   const CrowdedEdges& crowds;
   BackTrace::Rule rule;
   Vectors vectors;
 };
 
-// The distances of these vertices, in `best`: by traces over the bases that the front knows, and
-// where those are longer than the front expected, over every other face whose ends promise a
-// shorter way. Incomplete if the poll says to stop.
-void trace_back(const FrontState& front, std::span<const std::uint32_t> vertices,
-                std::span<double> best, FrontRoom& room, Poll& poll);
+// The distances of the vertices at these slots, in `best`: by traces over the bases that the front
+// knows, and where those are longer than the front expected, over every other face whose ends
+// promise a shorter way. Incomplete if the poll says to stop.
+void trace_back(const FrontState& front, std::span<const Slot> slots, std::span<double> best,
+                FrontRoom& room, Poll& poll);
 
 // Lists in `room.bases` what has an estimate for its opposite vertex: the base of every triangle at
-// these vertices that has two accepted ones, of which this one is the nearer, opposite its
-// farthest vertex. Returns how many; behind them is what nobody asked for.
-[[nodiscard]] std::size_t list_bases(const FrontState& front,
-                                     std::span<const std::uint32_t> vertices, FrontRoom& room);
+// the vertices of these slots that has two accepted ones from the slot's source, of which this
+// one is the nearer, opposite its farthest vertex. Returns how many; behind them is what nobody
+// asked for.
+[[nodiscard]] std::size_t list_bases(const FrontState& front, std::span<const Slot> slots,
+                                     FrontRoom& room);
 
 // The estimates over the first `count` of the room's bases: `tell(at, distance, crossing)` of
 // each. Not of all if the poll says to stop.
@@ -49,14 +51,22 @@ void arrive_over_bases(const FrontState& front, std::size_t count, FrontRoom& ro
   constexpr std::size_t kLanes = ArrivalLanes::kLanes;
   std::vector<Halfedge>& bases = room.bases;
   // Lanes without one of their own do the same as the first, with nobody to see it.
-  bases.resize((count + kLanes - 1) / kLanes * kLanes, bases[0]);
-  std::fill(bases.begin() + static_cast<std::ptrdiff_t>(count), bases.end(), bases[0]);
+  const auto fill_up = [count](std::vector<std::uint32_t>& of_each) {
+    of_each.resize((count + kLanes - 1) / kLanes * kLanes, of_each[0]);
+    std::fill(of_each.begin() + static_cast<std::ptrdiff_t>(count), of_each.end(), of_each[0]);
+  };
+  fill_up(bases);
+  const std::uint32_t* sources = nullptr;
+  if (front.distances.has_several_sources()) {
+    fill_up(room.sources_of_bases);
+    sources = room.sources_of_bases.data();
+  }
   ArrivalLanes arrivals;
   for (std::size_t first = 0; first < count; first += kLanes) {
     if (poll.cancelled()) return;
-    arrive_lanes(front.surface.faces, front.distance,
-                 std::span<const Halfedge, kLanes>(bases.data() + first, kLanes), front.vectors,
-                 arrivals);
+    arrive_lanes(front.surface.faces, front.distances,
+                 std::span<const Halfedge, kLanes>(bases.data() + first, kLanes),
+                 sources == nullptr ? nullptr : sources + first, front.vectors, arrivals);
     for (std::size_t i = 0; i < kLanes && first + i < count; ++i) {
       tell(first + i, arrivals.distance[i], arrivals.crossing[i]);
     }

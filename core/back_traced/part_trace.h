@@ -14,12 +14,12 @@ namespace geodesic {
 
 class PartTrace {
  public:
-  PartTrace(const FrontState& front, std::span<const std::uint32_t> vertices,
-            std::span<double> best, FrontRoom& room, Poll& poll)
+  PartTrace(const FrontState& front, std::span<const Slot> slots, std::span<double> best,
+            FrontRoom& room, Poll& poll)
       : front_(front),
         surface_(front.surface),
-        distance_(front.distance),
-        part_(vertices),
+        distances_(front.distances),
+        part_(slots),
         best_(best),
         room_(room),
         poll_(poll) {}
@@ -31,26 +31,32 @@ class PartTrace {
   void ask_other_faces();
 
  private:
-  [[nodiscard]] bool is_doubtful(std::uint32_t vertex, double best) const;
+  [[nodiscard]] bool is_doubtful(Slot slot, double best) const;
   void trace_past_vertex(std::uint32_t place, std::uint32_t bend);
+  [[nodiscard]] std::uint32_t vertex(std::uint32_t place) const {
+    return distances_.vertex_of(part_[place]);
+  }
+  [[nodiscard]] std::uint32_t source(std::uint32_t place) const {
+    return distances_.source_of(part_[place]);
+  }
 
   // Adds a trace for the vertex at `place` of the part. It ends early where it cannot be less than
   // `best`. The caller gives `best`, because the part's own value depends on which other traces of
   // the vertex are done.
   void trace(std::uint32_t place, Halfedge base, double crossing, double best) {
-    traced_[traces_.add(base, crossing, best)] = place;
+    traced_[traces_.add(base, crossing, best, source(place))] = place;
     if (traces_.full()) flush();
   }
   void trace(std::uint32_t place, const TraceStart& start, double best) {
-    traced_[traces_.add(start, best)] = place;
+    traced_[traces_.add(start, best, source(place))] = place;
     if (traces_.full()) flush();
   }
   void flush();
 
   const FrontState& front_;
   const Triangulation& surface_;
-  const std::span<const double> distance_;
-  const std::span<const std::uint32_t> part_;
+  const FrontDistances distances_;
+  const std::span<const Slot> part_;
   const std::span<double> best_;
   FrontRoom& room_;
   Poll& poll_;

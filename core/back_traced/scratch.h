@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/back_traced/crowded_edges.h"
+#include "core/back_traced/front_distances.h"
 #include "core/back_traced/visibility_cones.h"
 #include "core/field/field.h"
 #include "core/field/vertex_buckets.h"
@@ -14,12 +15,13 @@
 
 namespace geodesic {
 
-// What a front knows of a vertex, besides its distance. A quarter of a cache line.
+// What a front knows of a vertex from one source, besides its distance. A quarter of a cache line.
 struct FrontVertex {
-  double estimate = kUnreached;  // by the paper's rule; times -1 once it has its distance
-  Halfedge base = kNone;         // opposite the vertex, what the estimate is over; or kNone:
-                                 // straight from the source
-  float crossing = 0;            // where its way crosses that, as in arrive_lanes.h
+  // By the paper's rule, of several sources with the offset; times -1 once it has its distance.
+  double estimate = kUnreached;
+  Halfedge base = kNone;  // opposite the vertex, what the estimate is over; or kNone:
+                          // straight from the source
+  float crossing = 0;     // where its way crosses that, as in arrive_lanes.h
 
   [[nodiscard]] bool is_accepted() const { return std::signbit(estimate); }
 };
@@ -40,13 +42,17 @@ struct FrontRoom {
 
   std::vector<std::uint32_t> corners;
   std::vector<Halfedge> bases;
+  // The source that each is about. Read only if there are several sources.
+  std::vector<std::uint32_t> sources_of_corners;
+  std::vector<std::uint32_t> sources_of_bases;
   std::vector<Ask> asks;  // which vertex of the part each of `bases` belongs to
 };
 
 // What a front knows of some of the vertices. On a cache line of its own.
 struct alignas(64) FrontDomain {
   struct Late {
-    std::uint32_t vertex;
+    Slot slot;
+    std::uint32_t source;
     FrontEstimate estimate;
   };
 
@@ -60,11 +66,11 @@ struct alignas(64) FrontDomain {
   bool has_left_early = false;
 
   alignas(64) VertexBuckets waiting;
-  // Those that are accepted together, and their distances.
-  std::vector<std::uint32_t> round;
+  // The slots of those that are accepted together, and their distances.
+  std::vector<Slot> round;
   std::vector<double> best;
   FrontRoom room;
-  // By domain: estimates for its vertices.
+  // By domain: estimates for its vertices, where there is one source.
   std::vector<std::vector<FrontEstimate>> handed_to;
   // For vertices that are visible from the source, which take a base from the least of a round.
   std::vector<Late> late;
@@ -72,12 +78,15 @@ struct alignas(64) FrontDomain {
 
 // Memory that a query works in, kept for the next query on the same thread.
 struct BackTracedScratch {
-  std::vector<FrontVertex> vertices;
+  std::vector<FrontVertex> vertices;  // by slot
   // Whether all of them are as constructed, as a finished query leaves them.
   bool is_clean = false;
   VertexSet visited;
-  // Of one of several waves, kUnreached between waves; or those accepted of one in several domains.
+  // Of several sources in one front, a distance a slot. Of a front for each source, those of the
+  // one at hand, kUnreached between two. Of one source in several domains, the distances with those
+  // of the round.
   std::vector<double> distance;
+  SourceSlots slots;
   std::vector<std::uint8_t> is_target;
   std::vector<VisibilityCone> cones;
   CrowdedEdges crowds;

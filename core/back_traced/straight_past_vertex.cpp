@@ -27,12 +27,16 @@ bool is_too_thin(const FaceRecord& face) {
 // round it are unfolded up to the face that the way to `bend` came through. If that way, continued
 // straight, passes `bend` and stays in the first face, a trace along it is added.
 void PartTrace::trace_past_vertex(std::uint32_t place, std::uint32_t bend) {
-  const std::uint32_t vertex = part_[place];
+  const auto distance = [&, number = source(place)](std::uint32_t v) {
+    return distances_.at(v, number);
+  };
   double best = best_[place];
-  const Halfedge bend_base = front_.vertices[bend].base;
+  const Slot of_bend = distances_.find_slot(bend, source(place));
+  if (of_bend == kNone) return;
+  const Halfedge bend_base = front_.vertices[of_bend].base;
   if (bend_base == kNone) return;  // visible from the source
   const FaceRecord& last = surface_.faces[face_of(bend_base)];
-  for (const std::uint32_t corner : surface_.corners(vertex)) {
+  for (const std::uint32_t corner : surface_.corners(vertex(place))) {
     if (poll_.cancelled()) return;
     const std::uint32_t first = face_of(corner);
     const std::uint32_t c = corner_of(corner);
@@ -48,7 +52,7 @@ void PartTrace::trace_past_vertex(std::uint32_t place, std::uint32_t bend) {
     if (!(length > 0)) continue;
     const Vec2 to_bend{length, 0};
     const Vec2 to_rim{face.dot[c] / length, face.area2 / length};
-    best = std::min(best, distance_[face.vertex[r]] + norm(to_rim));
+    best = std::min(best, distance(face.vertex[r]) + norm(to_rim));
     const Halfedge out = halfedge(first, ahead ? b : r);
 
     Vec2 rim = to_rim;
@@ -69,12 +73,12 @@ void PartTrace::trace_past_vertex(std::uint32_t place, std::uint32_t bend) {
                            (next.area2 / base2) * Vec2{side.y, -side.x};
       if (face_of(across) == face_of(bend_base)) {
         const std::uint32_t p = corner_of(bend_base);
-        const Arrival arrival = arrive(distance_[last.vertex[p]],
-                                       distance_[last.vertex[next_corner(p)]], last.apex_over(p));
+        const Arrival arrival = arrive(distance(last.vertex[p]),
+                                       distance(last.vertex[next_corner(p)]), last.apex_over(p));
         const bool from_rim = last.vertex[p] == rim_vertex;
         const Vec2 through = from_rim ? rim + arrival.crossing * (to_apex - rim)
                                       : to_apex + arrival.crossing * (rim - to_apex);
-        const Vec2 aim = to_bend + distance_[bend] * unit(through - to_bend);
+        const Vec2 aim = to_bend + distance(bend) * unit(through - to_bend);
         // Past the bend on this side, and within the first face.
         if (cross(to_bend, aim) > 0 && cross(aim, to_rim) >= 0) {
           TraceStart start{out, bend, face.vertex[r], along_ray(aim, to_bend),

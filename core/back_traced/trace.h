@@ -24,14 +24,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <span>
 
 #include "core/back_traced/crowded_edges.h"
+#include "core/back_traced/front_distances.h"
 #include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/field/field.h"
 #include "core/surface/face_record.h"
-#include "core/surface/side_not_below.h"
 #include "core/surface/triangulation.h"
 #include "core/surface/unfold_rounding.h"
 
@@ -92,11 +91,10 @@ class BackTrace {
   // A virtual source nearer than this part of the best path would be of two sources.
   static constexpr double kLeastOfBest = 0.9;
 
-  // `distance` has an entry per vertex, kUnreached where there is none yet. Both must outlive
-  // this object, as must what it knows of crowded edges.
-  BackTrace(const Triangulation& surface, std::span<const double> distance, Rule rule,
-            const CrowdedEdges* crowds = nullptr)
-      : surface_(surface), distance_(distance), rule_(rule), crowds_(crowds) {}
+  // From the source of this number. What is given must outlive this object.
+  BackTrace(const Triangulation& surface, const FrontDistances& distances, Rule rule,
+            const CrowdedEdges* crowds = nullptr, std::uint32_t source = 0)
+      : surface_(surface), distances_(distances), source_(source), rule_(rule), crowds_(crowds) {}
 
   // The least of `best`, of the ways along both sides of the face of `base` to the vertex
   // opposite it, and of what the trace from there finds, over the base at `crossing`: 0 at
@@ -109,8 +107,8 @@ class BackTrace {
     const double q = face.dot[n];
     const double w = face.dot[previous_corner(c)];
     const double area = face.area2;
-    const double at_tail = distance_[face.vertex[c]];
-    const double at_head = distance_[face.vertex[n]];
+    const double at_tail = distance(face.vertex[c]);
+    const double at_head = distance(face.vertex[n]);
     // Over the base as the x axis, times its length, w is at (p, area); the ray runs to
     // where it crosses the base from there.
     const double base2 = p + q;
@@ -164,6 +162,10 @@ class BackTrace {
   }
 
  private:
+  [[nodiscard]] double distance(std::uint32_t vertex) const {
+    return distances_.at(vertex, source_);
+  }
+
   // What stopped a trace before it had gone over as many faces as it may.
   enum class Ends : std::uint8_t { nowhere, at_border, where_distances_grow, lost };
 
@@ -183,8 +185,8 @@ class BackTrace {
 
   template <bool kCareful>
   [[nodiscard]] double trace(const TraceStart& start, double best, Spread& spread) const {
-    Trace trace{start.to_right,           start.to_left,         start.to_right, start.to_left,
-                distance_[start.right],   distance_[start.left], start.right,    start.edge,
+    Trace trace{start.to_right,           start.to_left,        start.to_right, start.to_left,
+                distance(start.right),    distance(start.left), start.right,    start.edge,
                 surface_.ring(start.edge)};
     if constexpr (kCareful) {
       spread = spread_of(start);
@@ -225,7 +227,7 @@ class BackTrace {
       const std::uint32_t c = corner_of(t.across);
       const std::uint32_t n = next_corner(c);
       const std::uint32_t apex = previous_corner(c);
-      const double at_apex = distance_[face.vertex[apex]];
+      const double at_apex = distance(face.vertex[apex]);
       // Past the source, and where waves meet, distances grow; but over one thin face they
       // may as well.
       const bool may_be_farther = t.faces == 0 && at_apex < kUnreached;
@@ -336,7 +338,7 @@ class BackTrace {
       return known;
     }
     const auto at_apex = [this](Halfedge h) {
-      return distance_[surface_.faces[face_of(h)].vertex[previous_corner(corner_of(h))]];
+      return distance(surface_.faces[face_of(h)].vertex[previous_corner(corner_of(h))]);
     };
     Halfedge nearest = surface_.ring(edge);
     for (Halfedge h = surface_.ring(nearest); h != edge; h = surface_.ring(h)) {
@@ -346,7 +348,8 @@ class BackTrace {
   }
 
   Triangulation surface_;
-  std::span<const double> distance_;
+  FrontDistances distances_;
+  std::uint32_t source_;
   Rule rule_;
   const CrowdedEdges* crowds_;
 };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/back_traced/front_distances.h"
 #include "core/back_traced/trace.h"
 #include "core/back_traced/trace_lanes.h"
 #include "core/base/lane_arithmetic.h"
@@ -25,10 +26,11 @@ struct TraceLaneState {
   Reals farthest2, start2, finest;  // BackTrace::Spread
   Flags alive, crossed, beyond_is_surface, at_border;
   Ids edge, across, right_vertex;
+  std::uint32_t source[kWide];  // where there are several
 };
 
-template <std::size_t kWide>
-GEODESIC_LANES_INLINE void begin_traces(const FaceRecord* faces, const double* distance,
+template <std::size_t kWide, bool kSeveralSources>
+GEODESIC_LANES_INLINE void begin_traces(const FaceRecord* faces, const FrontDistances& distances,
                                         const TraceLanes& traces, std::size_t first, bool has_lines,
                                         TraceLaneState<kWide>& s) {
   using Lanes = lanes::Lanes<kWide>;
@@ -54,8 +56,14 @@ GEODESIC_LANES_INLINE void begin_traces(const FaceRecord* faces, const double* d
   Lanes::gather(q, [&](std::size_t j) { return face[j]->dot[next[j]]; });
   Lanes::gather(w, [&](std::size_t j) { return face[j]->dot[previous[j]]; });
   Lanes::gather(area, [&](std::size_t j) { return face[j]->area2; });
-  Lanes::gather(s.at_right, [&](std::size_t j) { return distance[face[j]->vertex[corner[j]]]; });
-  Lanes::gather(s.at_left, [&](std::size_t j) { return distance[face[j]->vertex[next[j]]]; });
+  const auto distance = [&](std::size_t j, std::size_t at) {
+    return distances.at<kSeveralSources>(face[j]->vertex[at], traces.source[lane[j]]);
+  };
+  Lanes::gather(s.at_right, [&](std::size_t j) { return distance(j, corner[j]); });
+  Lanes::gather(s.at_left, [&](std::size_t j) { return distance(j, next[j]); });
+  if constexpr (kSeveralSources) {
+    for (std::size_t j = 0; j < kWide; ++j) s.source[j] = traces.source[lane[j]];
+  }
   Lanes::gather(crossing, [&](std::size_t j) { return traces.crossing[lane[j]]; });
   Lanes::gather(s.best, [&](std::size_t j) { return traces.best[lane[j]]; });
   const auto gather_ids = [](auto& ids, auto id) {
@@ -107,8 +115,9 @@ GEODESIC_LANES_INLINE void begin_traces(const FaceRecord* faces, const double* d
 }
 
 // The same for those that begin elsewhere than over a base.
-template <std::size_t kWide>
-GEODESIC_LANES_INLINE void begin_traces_elsewhere(const FaceRecord* faces, const double* distance,
+template <std::size_t kWide, bool kSeveralSources>
+GEODESIC_LANES_INLINE void begin_traces_elsewhere(const FaceRecord* faces,
+                                                  const FrontDistances& distances,
                                                   const TraceLanes& traces, std::size_t first,
                                                   TraceLaneState<kWide>& s) {
   for (std::size_t j = 0; j < kWide; ++j) {
@@ -122,8 +131,8 @@ GEODESIC_LANES_INLINE void begin_traces_elsewhere(const FaceRecord* faces, const
     const BackTrace::Spread spread = BackTrace::spread_of(start);
     s.farthest2[j] = spread.farthest2;
     s.start2[j] = spread.start2;
-    s.at_right[j] = distance[start.right];
-    s.at_left[j] = distance[start.left];
+    s.at_right[j] = distances.at<kSeveralSources>(start.right, traces.source[first + j]);
+    s.at_left[j] = distances.at<kSeveralSources>(start.left, traces.source[first + j]);
     s.best[j] = traces.best[first + j];
     s.right_vertex[j] = start.right;
     s.edge[j] = start.edge;

@@ -11,15 +11,15 @@ namespace geodesic {
 namespace {
 
 // Of several faces on an edge the one whose apex is nearest to the source.
-Halfedge nearest_beyond(const FaceRecord* faces, const double* distance, const CrowdedEdges* crowds,
-                        Halfedge edge) {
+Halfedge nearest_beyond(const FaceRecord* faces, const FrontDistances& distances,
+                        std::uint32_t source, const CrowdedEdges* crowds, Halfedge edge) {
   if (const Halfedge known = crowds != nullptr ? crowds->nearest_beyond(edge) : kNone;
       known != kNone) {
     return known;
   }
   const auto ring = [faces](Halfedge h) { return faces[face_of(h)].ring[corner_of(h)]; };
   const auto at_apex = [&](Halfedge h) {
-    return distance[faces[face_of(h)].vertex[previous_corner(corner_of(h))]];
+    return distances.at(faces[face_of(h)].vertex[previous_corner(corner_of(h))], source);
   };
   Halfedge nearest = ring(edge);
   for (Halfedge h = ring(nearest); h != edge; h = ring(h)) {
@@ -41,16 +41,18 @@ struct Ahead {
 };
 
 // The next faces of the traces. Where there are more than two on an edge, the nearest.
-template <std::size_t kWide, bool kOriented>
-GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* distance,
+template <std::size_t kWide, bool kOriented, bool kSeveralSources>
+GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const FrontDistances& distances,
                                       const CrowdedEdges* crowds, bool has_lines,
                                       TraceLaneState<kWide>& s, Ahead<kWide>& to) {
   using Lanes = lanes::Lanes<kWide>;
+  const auto source = [&s](std::size_t i) { return kSeveralSources ? s.source[i] : 0; };
   if constexpr (!kOriented) {
     for (std::size_t i = 0; i < kWide; ++i) {
       const auto at = static_cast<Halfedge>(s.across[i]);
       if (faces[face_of(at)].ring[corner_of(at)] != s.edge[i]) [[unlikely]] {
-        s.across[i] = nearest_beyond(faces, distance, crowds, static_cast<Halfedge>(s.edge[i]));
+        s.across[i] =
+            nearest_beyond(faces, distances, source(i), crowds, static_cast<Halfedge>(s.edge[i]));
       }
     }
   }
@@ -65,7 +67,9 @@ GEODESIC_LANES_INLINE void look_ahead(const FaceRecord* faces, const double* dis
     next[i] = lanes::kNextCorner[corner[i]];
     previous[i] = lanes::kPreviousCorner[corner[i]];
   }
-  Lanes::gather(to.at_apex, [&](std::size_t i) { return distance[face[i]->vertex[previous[i]]]; });
+  Lanes::gather(to.at_apex, [&](std::size_t i) {
+    return distances.at<kSeveralSources>(face[i]->vertex[previous[i]], source(i));
+  });
   Lanes::gather(to.dot, [&](std::size_t i) { return face[i]->dot[corner[i]]; });
   Lanes::gather(to.next_dot, [&](std::size_t i) { return face[i]->dot[next[i]]; });
   Lanes::gather(to.area, [&](std::size_t i) { return face[i]->area2; });
@@ -212,7 +216,7 @@ GEODESIC_LANES_INLINE void meet_circles(BackTrace::Candidates candidates, BackTr
 
 struct Task {
   const FaceRecord* faces;
-  const double* distance;
+  FrontDistances distances;
   bool is_oriented;
   bool is_even;
   bool has_lines;
@@ -222,18 +226,20 @@ struct Task {
 
 // The same steps as in BackTrace, each for all lanes. Returns a bit for each trace that is to be
 // begun anew, with care, and leaves its `best` as it was.
-template <std::size_t kWide, bool kOriented, bool kEven>
+template <std::size_t kWide, bool kOriented, bool kEven, bool kSeveralSources>
 GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) {
   using Lanes = lanes::Lanes<kWide>;
   constexpr std::size_t kParts = TraceLanes::kLanes / kWide;
-  const auto [faces, distance, is_oriented, is_even, has_lines, rule, crowds] = task;
+  const auto& [faces, distances, is_oriented, is_even, has_lines, rule, crowds] = task;
   const std::size_t parts = (traces.count + kWide - 1) / kWide;
   TraceLaneState<kWide> states[kParts];
   std::size_t part_of[kParts];
   for (std::size_t part = 0; part < parts; ++part) {
-    begin_traces<kWide>(faces, distance, traces, part * kWide, has_lines, states[part]);
+    begin_traces<kWide, kSeveralSources>(faces, distances, traces, part * kWide, has_lines,
+                                         states[part]);
     if ((traces.elsewhere >> (part * kWide)) != 0) {
-      begin_traces_elsewhere<kWide>(faces, distance, traces, part * kWide, states[part]);
+      begin_traces_elsewhere<kWide, kSeveralSources>(faces, distances, traces, part * kWide,
+                                                     states[part]);
     }
     part_of[part] = part;
   }
@@ -246,7 +252,8 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
       typename Lanes::Flags going = {};
       for (std::size_t i = 0; i < count; ++i) {
         TraceLaneState<kWide>& s = states[part_of[i]];
-        look_ahead<kWide, kOriented>(faces, distance, crowds, has_lines, s, ahead);
+        look_ahead<kWide, kOriented, kSeveralSources>(faces, distances, crowds, has_lines, s,
+                                                      ahead);
         unfold<kWide, kOriented, kEven>(ahead, s, going);
         // While the other parts have their turn.
         for (std::size_t j = 0; j < kWide; ++j) __builtin_prefetch(&faces[s.across[j] >> 2U]);
@@ -285,14 +292,20 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
   return wide;
 }
 
+template <std::size_t kWide, bool kSeveralSources>
+GEODESIC_LANES_INLINE std::uint32_t trace_on(const Task& task, TraceLanes& traces) {
+  if (task.is_oriented) {
+    return task.is_even ? trace<kWide, true, true, kSeveralSources>(task, traces)
+                        : trace<kWide, true, false, kSeveralSources>(task, traces);
+  }
+  return task.is_even ? trace<kWide, false, true, kSeveralSources>(task, traces)
+                      : trace<kWide, false, false, kSeveralSources>(task, traces);
+}
+
 template <std::size_t kWide>
 GEODESIC_LANES_INLINE std::uint32_t trace_any(const Task& task, TraceLanes& traces) {
-  if (task.is_oriented) {
-    return task.is_even ? trace<kWide, true, true>(task, traces)
-                        : trace<kWide, true, false>(task, traces);
-  }
-  return task.is_even ? trace<kWide, false, true>(task, traces)
-                      : trace<kWide, false, false>(task, traces);
+  return task.distances.has_several_sources() ? trace_on<kWide, true>(task, traces)
+                                              : trace_on<kWide, false>(task, traces);
 }
 
 std::uint32_t trace_plain(const Task& task, TraceLanes& traces) {
@@ -312,11 +325,11 @@ __attribute__((target("avx512f,avx512vl,avx512dq"))) std::uint32_t trace_avx512(
 
 }  // namespace
 
-void trace_lanes(const Triangulation& surface, std::span<const double> distance,
+void trace_lanes(const Triangulation& surface, const FrontDistances& distances,
                  BackTrace::Rule rule, Vectors vectors, TraceLanes& traces,
                  const CrowdedEdges* crowds) {
   const Task task{surface.faces.data(),
-                  distance.data(),
+                  distances,
                   surface.is_oriented,
                   surface.is_even,
                   surface.has_lines,
@@ -337,9 +350,9 @@ void trace_lanes(const Triangulation& surface, std::span<const double> distance,
 #endif
   if (wide == 0) [[likely]]
     return;
-  const BackTrace one(surface, distance, rule, crowds);
   for (std::size_t i = 0; i < traces.count; ++i) {
     if (((wide >> i) & 1U) == 0) continue;
+    const BackTrace one(surface, distances, rule, crowds, traces.source[i]);
     double& best = traces.best[i];
     best = traces.begins_elsewhere(i) ? one.least(traces.start[i], best)
                                       : one.over(traces.base[i], traces.crossing[i], best);

@@ -68,7 +68,7 @@ inline constexpr double kFlat = 1e-3;
 // Of the longest side, a face's height: a flip that leaves less gains nothing that rounding would
 // not take away again.
 inline constexpr double kFlippedHeight = 1e-14;
-// Of the longest side: what flips may lose in all, as side_lengths.h reckons it.
+// Of the longest side: what flips may lose in all, as intrinsic_faces.h reckons it.
 inline constexpr double kFlips = 1e-11;
 // Of a sum or product in numbers of two doubles, with room for the twenty in a row of one flip.
 inline constexpr double kDoubleDouble = 0x1p-98;

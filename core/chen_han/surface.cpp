@@ -10,6 +10,7 @@
 #include "core/base/tolerances.h"
 #include "core/chen_han/front.h"
 #include "core/surface/copied_faces.h"
+#include "core/surface/walk_over_faces.h"
 
 namespace geodesic::chen_han {
 namespace {
@@ -130,7 +131,7 @@ bool Front::bends_by_its_faces(std::uint32_t vertex) const {
     const FaceRecord& face = adjacency_.face(face_of(corner));
     const std::uint32_t c = corner_of(corner);
     if (is_thin(face)) return true;
-    angles += std::atan2(face.area2, face.dot[c]);
+    angles += corner_angle(face, c);
     for (const Halfedge side : {corner, halfedge(face_of(corner), previous_corner(c))}) {
       // In one other face, neither more nor fewer.
       if (next_around(side) == side || next_around(next_around(side)) != side) return true;

@@ -114,6 +114,7 @@ void keep_marked(std::vector<Value>& values, const std::vector<bool>& marked) {
 std::vector<Halfedge> border_of(const Adjacency& adjacency, std::span<const std::uint32_t> faces,
                                 const SourceLines& lines, Poll& poll) {
   std::vector<Halfedge> border;
+  if (!poll.may_take(adjacency.faces().size() / 2)) return border;
   std::vector<bool> passed(4 * adjacency.faces().size(), false);
   for (const std::uint32_t f : faces) {
     for (std::uint32_t c = 0; c < 3; ++c) {

@@ -10,6 +10,7 @@
 #include "core/base/polled_fill.h"
 #include "core/base/tolerances.h"
 #include "core/curves/strips_on_edges.h"
+#include "core/surface/walk_over_faces.h"
 
 namespace geodesic {
 namespace {
@@ -413,7 +414,7 @@ bool may_bend(const Adjacency& adjacency, std::uint32_t vertex, Poll& poll) {
     const FaceRecord& face = adjacency.face(face_of(corner));
     const std::uint32_t c = corner_of(corner);
     if (is_thin(face)) return true;
-    angles += std::atan2(face.area2, face.dot[c]);
+    angles += corner_angle(face, c);
     for (const Halfedge side : {corner, halfedge(face_of(corner), previous_corner(c))}) {
       // In one other face, neither more nor fewer.
       const Halfedge across = adjacency.ring(side);

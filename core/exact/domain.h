@@ -22,6 +22,7 @@
 #include "core/base/cancel.h"
 #include "core/exact/queue.h"
 #include "core/exact/shared_state.h"
+#include "core/exact/surface.h"
 #include "core/windows/envelope.h"
 #include "core/windows/propagate_lanes.h"
 #include "core/windows/trim_windows.h"
@@ -189,7 +190,7 @@ class alignas(128) Domain {
 
   // In place of the first half: what comes of these is handed on as in send_out.
   void begin_round(Poll& poll);
-  void send_inside(const Mesh& mesh, const SurfacePoint& place, std::uint32_t pseudo_source);
+  void send_inside(const PlaceInFace& place, std::uint32_t pseudo_source);
   void send_everywhere(std::uint32_t v, std::uint32_t pseudo_source);
 
   // A way to one of its vertices, which is taken if it is shorter.

@@ -22,24 +22,35 @@ namespace {
 // What a whole field takes on a surface of one piece, besides edges and faces, which ask for
 // themselves: of a vertex its distance and what is known of its ways; where windows are kept, at
 // least one on each edge between faces, in the front's memory and in the table.
-std::uint64_t expected_bytes(const Adjacency& adjacency, bool keep_windows) {
+std::uint64_t expected_bytes(const Adjacency& adjacency, const Triangulation& surface,
+                             bool keep_windows) {
   const std::uint64_t of_vertex =
       sizeof(double) + sizeof(exact::ArrivalAtVertex) + sizeof(exact::Bends) + sizeof(double);
-  const TopologyReport& report = adjacency.report();
-  const std::uint64_t of_windows =
-      (report.edges - report.edges_boundary) * (sizeof(exact::Window) + sizeof(VisibleInterval)) +
-      4 * adjacency.faces().size() * sizeof(WindowTable::Part);
-  return adjacency.mesh().vertex_count() * of_vertex + report.edges * sizeof(std::uint32_t) +
+  const std::uint64_t edges = exact::count_edges(adjacency, surface);
+  const std::uint64_t of_windows =  // of the mesh's own faces
+      (edges - adjacency.report().edges_boundary) *
+          (sizeof(exact::Window) + sizeof(VisibleInterval)) +
+      4 * surface.faces.size() * sizeof(WindowTable::Part);
+  return (surface.corner_begin.size() - 1) * of_vertex + edges * sizeof(std::uint32_t) +
          (keep_windows ? of_windows : 0);
 }
 
+// Vertices have the same distances on faces that are better for it.
 Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> sources,
                           bool keep_windows, Poll& poll) {
-  const bool at_vertices = std::all_of(sources.begin(), sources.end(),
-                                       [](const Source& s) { return s.point.at_vertex(); });
-  // Vertices have the same distances on faces that are better for it.
-  return keep_windows || !at_vertices ? adjacency.triangulation()
-                                      : exact::surface_for_windows(adjacency, sources, poll);
+  return keep_windows ? adjacency.triangulation()
+                      : exact::surface_for_windows(adjacency, sources, poll);
+}
+
+// Takes the distances of vertices that the mesh has not away.
+void keep_vertices_of_mesh(const Adjacency& adjacency, Field& field) {
+  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  if (field.distance.size() == vertex_count) return;
+  Field left = unreached_field(field.method, field.sources, vertex_count);
+  const auto distances = std::span<const double>(field.distance.doubles()).first(vertex_count);
+  std::copy(distances.begin(), distances.end(), left.distance.doubles().begin());
+  field.distance = std::move(left.distance);
+  if (!field.nearest_source.empty()) field.nearest_source.resize(vertex_count);
 }
 
 void forget_windows(ExactScratch& scratch, Poll& poll) {
@@ -51,17 +62,17 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
                                std::span<const Source> sources, double tolerance, bool keep_windows,
                                const FieldLimits& limits, ExactScratch& scratch,
                                const Cancel& cancel) {
-  const std::size_t vertex_count = adjacency.mesh().vertex_count();
   const bool is_whole = limits.targets.empty() && limits.max == kUnreached;
   const bool keeps_all = keep_windows && limits.detail_faces.empty();
-  if (is_whole && !cancel.may_take(expected_bytes(adjacency, keeps_all))) {
-    return fail_stopped(cancel);
-  }
-  Field field = unreached_field(method, sources, vertex_count);
   Poll poll(cancel);
   forget_windows(scratch, poll);  // before anybody asks for window_bytes()
   if (poll.stopped()) return fail_stopped(cancel);
   const Triangulation surface = surface_for(adjacency, sources, keep_windows, poll);
+  if (is_whole && !cancel.may_take(expected_bytes(adjacency, surface, keeps_all))) {
+    return fail_stopped(cancel);
+  }
+  const std::size_t vertex_count = surface.corner_begin.size() - 1;
+  Field field = unreached_field(method, sources, vertex_count);
   exact::Propagation propagation(adjacency, surface, *scratch.memory, field, limits.max, tolerance,
                                  keep_windows, poll);
   if (poll.stopped()) return fail_stopped(cancel);
@@ -98,6 +109,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   // What was not final when the last target was is farther than any of them.
   double farthest = limits.targets.empty() ? kUnreached : 0;
   for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
+  keep_vertices_of_mesh(adjacency, field);
   field.forget_beyond(std::min(farthest, limits.max));
   if (keep_windows) {
     field.windows = std::make_shared<const WindowTable>(propagation.window_table(poll));

@@ -49,9 +49,8 @@ struct ExactScratch {
 // (straight from there) and the sources in it. A window whose source is a vertex
 // that a source was placed at has no pseudo-source.
 //
-// Without them, and from sources at vertices, windows run over the faces that have fewer
-// edges in the way, perhaps not the mesh's own (exact/surface.h): the same distances, but for
-// rounding.
+// Without them windows run over the faces that have fewer edges in the way, perhaps not the
+// mesh's own (exact/surface.h): the same distances, but for rounding.
 //
 // Each of n edges gets O(n) windows at worst, about 14 on scans.
 //

@@ -11,15 +11,20 @@
 #include "core/base/polled_sort.h"
 #include "core/base/rough_angle.h"
 #include "core/base/tolerances.h"
+#include "core/exact/surface.h"
+#include "core/surface/walk_over_faces.h"
 
 namespace geodesic::exact {
 namespace {
 
 // The length of side c of a face that need not be one of the mesh. Where it is lost in the face's
-// products, the face is one of the mesh.
+// products, it is the length of an edge of the mesh, or of one that is hardly there.
 double length_of(const FaceRecord& face, std::uint32_t c, std::span<const Vec3> positions) {
-  if (!face.loses_length(c)) return std::sqrt(face.length2(c));
-  return distance(positions[face.vertex[c]], positions[face.vertex[next_corner(c)]]);
+  const std::uint32_t tail = face.vertex[c];
+  const std::uint32_t head = face.vertex[next_corner(c)];
+  const bool are_of_mesh = std::max(tail, head) < positions.size();
+  if (!face.loses_length(c) || !are_of_mesh) return std::sqrt(std::max(face.length2(c), 0.0));
+  return distance(positions[tail], positions[head]);
 }
 
 }  // namespace
@@ -27,23 +32,24 @@ double length_of(const FaceRecord& face, std::uint32_t c, std::span<const Vec3> 
 void Frames::build(const Adjacency& adjacency, const Triangulation& surface, Poll& poll) {
   const std::weak_ptr<const void> identity = adjacency.identity();
   const bool same = !identity.owner_before(built_for_) && !built_for_.owner_before(identity);
-  const bool is_mesh = surface.faces.data() == adjacency.faces().data();
+  const bool is_same_surface = same && surface.faces.data() == surface_.faces.data();
   surface_ = surface;
-  if (same && is_mesh == is_mesh_) {
+  if (is_same_surface) {
     forget_arrivals(poll);
     return;
   }
   built_for_.reset();
-  is_mesh_ = is_mesh;
+  is_mesh_ = surface.faces.data() == adjacency.faces().data();
   has_flat_ = false;
   // Every face is written below: what the last query left is as good as new.
   const std::size_t face_count = surface.faces.size();
   if (faces_.size() != face_count) polled_assign(faces_, face_count, FaceFrame{}, poll);
   edges_.clear();
-  const std::size_t edge_count = adjacency.report().edges;
+  const std::size_t vertex_count = surface.corner_begin.size() - 1;
+  const std::size_t edge_count = count_edges(adjacency, surface);
   if (edge_count > edges_.capacity() && !poll.may_take(edge_count * sizeof(Edge))) return;
-  edges_.reserve(adjacency.report().edges);
-  bends_.assign(adjacency.mesh().vertex_count(), Bends::nowhere);
+  edges_.reserve(edge_count);
+  bends_.assign(vertex_count, Bends::nowhere);
   number_edges(adjacency, poll);
   if (poll.stopped()) return;
   const std::vector<double> angle_sum = measure_faces(poll);
@@ -170,10 +176,13 @@ void Frames::classify_vertices(const Adjacency& adjacency, std::span<const doubl
     if (edge.on_boundary()) {
       on_boundary[edge.tail] = on_boundary[edge.head] = true;
     } else if (surface_.ring(edge.second) != edge.first) {
-      bends_[edge.tail] = bends_[edge.head] = Bends::everywhere;
+      for (const std::uint32_t v : {edge.tail, edge.head}) {
+        if (v < adjacency.mesh().vertex_count()) bends_[v] = Bends::everywhere;
+      }
     }
   }
-  for (std::uint32_t v = 0; v < bends_.size() && !poll.cancelled(); ++v) {
+  // Where the surface was given more vertices it is flat.
+  for (std::uint32_t v = 0; v < adjacency.mesh().vertex_count() && !poll.cancelled(); ++v) {
     if (bends_[v] == Bends::everywhere) continue;
     if (adjacency.is_pinched(v)) {
       bends_[v] = Bends::everywhere;
@@ -187,8 +196,7 @@ void Frames::classify_vertices(const Adjacency& adjacency, std::span<const doubl
       sum = 0;
       for (const std::uint32_t corner : corners) {
         if (poll.cancelled()) return;
-        const FaceRecord& record = surface_.faces[face_of(corner)];
-        sum += std::atan2(record.area2, record.dot[corner_of(corner)]);
+        sum += corner_angle(surface_.faces[face_of(corner)], corner_of(corner));
       }
     }
     if (sum > straight) bends_[v] = Bends::beyond;

@@ -81,7 +81,7 @@ Propagation::Propagation(const Adjacency& adjacency, const Triangulation& surfac
   shared.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return;
   state_.edges = shared.frames.edges();
-  const std::size_t vertex_count = adjacency.mesh().vertex_count();
+  const std::size_t vertex_count = surface.corner_begin.size() - 1;
   const std::size_t count = count_domains(surface, vertex_count, poll);
   state_.by_edges = BlockDomains(state_.edges.size(), count);
   state_.edges_per_vertex =
@@ -145,10 +145,10 @@ void Propagation::start(const Source& source, std::uint32_t number) {
   const std::uint32_t v = source.point.vertex;
   if (!source.point.at_vertex()) {
     const std::uint32_t pseudo_source = add_pseudo_source({source.offset, kNone, number});
-    for (const SurfacePoint& place : in_all_faces(adjacency_, source.point)) {
+    for (const PlaceInFace& place : places_on(adjacency_, state_.surface, source.point, poll_)) {
       if (poll_.cancelled()) return;
       bend_at_corners_of(place);
-      domain.send_inside(adjacency_.mesh(), place, pseudo_source);
+      domain.send_inside(place, pseudo_source);
     }
   } else if (source.offset < state_.distance[v]) {
     state_.distance[v] = source.offset;
@@ -161,11 +161,11 @@ void Propagation::start(const Source& source, std::uint32_t number) {
   for (Domain& each : domains_) each.take_in(std::span(domains_).first(1), poll_);
 }
 
-void Propagation::bend_at_corners_of(const SurfacePoint& place) {
-  const FaceRecord& face = adjacency_.face(place.face);
+void Propagation::bend_at_corners_of(const PlaceInFace& place) {
+  const FaceRecord& face = state_.surface.faces[place.face];
   const double beside = tolerance::kBesideCorner * std::sqrt(face.longest2());
   for (std::uint32_t c = 0; c < 3; ++c) {
-    if (distance_to_corner(adjacency_.mesh(), place, c) <= beside) {
+    if (place.to_corner[c] <= beside) {
       memory_.shared.bends[face.vertex[c]] = Bends::everywhere;
     }
   }

@@ -29,6 +29,7 @@
 #include "core/base/cancel.h"
 #include "core/exact/domain.h"
 #include "core/exact/shared_state.h"
+#include "core/exact/surface.h"
 #include "core/field/field.h"
 #include "core/field/window_table.h"
 #include "core/surface/adjacency.h"
@@ -53,10 +54,10 @@ class Propagation {
   // `field.nearest_source`. All must outlive this object, which is of no use if the
   // poll says to stop.
   //
-  // Windows run over `surface`: the faces of the mesh or any others that cut it up. Of others
-  // no windows may be kept, and sources lie at vertices. It asks the poll where one step is long:
-  // at a vertex or an edge of thousands of faces. The poll's team may help, where the mesh is
-  // large.
+  // Windows run over `surface`: the faces of the mesh or any others that cut it up, perhaps with
+  // more vertices, of which the field then has all. Of others no windows may be kept. It asks the
+  // poll where one step is long: at a vertex or an edge of thousands of faces. The poll's team may
+  // help, where the mesh is large.
   Propagation(const Adjacency& adjacency, const Triangulation& surface, PropagationMemory& memory,
               Field& field, double max, double tolerance, bool keep_windows, Poll& poll);
   // Its domains refer to it.
@@ -73,7 +74,8 @@ class Propagation {
     state_.windows_for_early_source = windows;
   }
 
-  // Sends out a source's windows.
+  // Sends out a source's windows. Of faces that are not the mesh's, only one that has
+  // places_on them (surface.h).
   void start(const Source& source, std::uint32_t number);
 
   // The next round, of all that waits in a bucket; false when there is nothing left to do.
@@ -111,7 +113,7 @@ class Propagation {
 
  private:
   // What comes to a corner right beside a source goes on in every direction.
-  void bend_at_corners_of(const SurfacePoint& place);
+  void bend_at_corners_of(const PlaceInFace& place);
   [[nodiscard]] std::uint32_t add_pseudo_source(const PseudoSource& pseudo_source);
   void make_room_for_pseudo_sources();
   void forget_room_for_pseudo_sources();

@@ -7,7 +7,6 @@
 #include "core/base/rough_angle.h"
 #include "core/base/tolerances.h"
 #include "core/exact/domain.h"
-#include "core/surface/point.h"
 
 namespace geodesic::exact {
 namespace {
@@ -20,26 +19,26 @@ double angle_at(const FaceRecord& face, std::uint32_t c) {
 
 // Straight to the corners of the face, and over those of its sides that the source
 // does not lie on.
-void Domain::send_inside(const Mesh& mesh, const SurfacePoint& place, std::uint32_t pseudo_source) {
+void Domain::send_inside(const PlaceInFace& place, std::uint32_t pseudo_source) {
   const double offset = pseudo_sources()[pseudo_source].offset;
   const std::uint32_t f = place.face;
   std::array<double, 3> at_corner{};
   for (std::uint32_t c = 0; c < 3; ++c) {
-    const double ahead = place.bary[next_corner(c)];
-    const double behind = place.bary[previous_corner(c)];
-    at_corner[c] = offset + distance_to_corner(mesh, place, c);
+    const double ahead = place.weights[next_corner(c)];
+    const double behind = place.weights[previous_corner(c)];
+    at_corner[c] = offset + place.to_corner[c];
     hand_way(state_.surface.faces[f].vertex[c], at_corner[c],
              {halfedge(f, c), pseudo_source, 0,
               frames().length(f, next_corner(c)) * (behind / (ahead + behind))});
   }
   for (std::uint32_t c = 0; c < 3; ++c) {
-    const double above = place.bary[previous_corner(c)];
+    const double above = place.weights[previous_corner(c)];
     if (above == 0) continue;
     const double length = frames().length(f, c);
     const double to_far_corner = above * frames().length(f, previous_corner(c));
     const CornerAngle angle = frames().angle(f, c);
     send_over(halfedge(f, c), pseudo_source, 0, length,
-              place.bary[next_corner(c)] * length + to_far_corner * angle.cosine,
+              place.weights[next_corner(c)] * length + to_far_corner * angle.cosine,
               to_far_corner * angle.sine, {at_corner[c], at_corner[next_corner(c)]});
   }
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/field/straight_away.h"
+#include "core/surface/refined_surface.h"
 
 namespace geodesic::exact {
 namespace {
@@ -28,7 +29,7 @@ double crossings_on_mesh(const Adjacency& adjacency, std::span<const Source> sou
     const auto extents = straight.extents_across(faces[f].vertex);
     if (extents) sum += (*extents)[0] + (*extents)[1] + (*extents)[2];
   }
-  return sum;
+  return static_cast<double>(stride) * sum;
 }
 
 double crossings_in_any_direction(const Triangulation& surface, Poll& poll) {
@@ -38,21 +39,74 @@ double crossings_in_any_direction(const Triangulation& surface, Poll& poll) {
     const FaceRecord& face = surface.faces[f];
     for (std::uint32_t c = 0; c < 3; ++c) sum += std::sqrt(std::max(face.length2(c), 0.0));
   }
-  return 2 / std::numbers::pi * sum;
+  return 2 / std::numbers::pi * static_cast<double>(stride) * sum;
 }
 
 }  // namespace
+
+std::size_t count_edges(const Adjacency& adjacency, const Triangulation& surface) {
+  return adjacency.report().edges +
+         (surface.corner_begin.size() - 1 - adjacency.mesh().vertex_count()) +
+         (surface.faces.size() - adjacency.faces().size());
+}
+
+std::vector<PlaceInFace> places_on(const Adjacency& adjacency, const Triangulation& surface,
+                                   const SurfacePoint& point, Poll& poll) {
+  std::vector<PlaceInFace> places;
+  if (surface.faces.data() == adjacency.faces().data()) {
+    for (const SurfacePoint& in_face : in_all_faces(adjacency, point)) {
+      PlaceInFace place{in_face.face, in_face.bary, {}};
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        place.to_corner[c] = distance_to_corner(adjacency.mesh(), in_face, c);
+      }
+      places.push_back(place);
+    }
+    return places;
+  }
+  const RefinedSurface* const refined = adjacency.refined();
+  if (refined == nullptr || surface.faces.data() != refined->triangulation().faces.data())
+    return {};
+  for (const auto& [face, weights] :
+       refined->places_of(adjacency.triangulation(), point.face, point.bary, poll)) {
+    PlaceInFace place{face, weights, {}};
+    const FaceRecord& record = surface.faces[face];
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      // Along the two sides that leave the corner.
+      const double p = weights[next_corner(c)];
+      const double q = weights[previous_corner(c)];
+      place.to_corner[c] = std::sqrt(std::max(p * p * record.length2(c) +
+                                                  q * q * record.length2(previous_corner(c)) +
+                                                  2 * p * q * record.dot[c],
+                                              0.0));
+    }
+    places.push_back(place);
+  }
+  return places;
+}
 
 Triangulation surface_for_windows(const Adjacency& adjacency, std::span<const Source> sources,
                                   Poll& poll) {
   const Triangulation mesh = adjacency.triangulation();
   const Triangulation delaunay = adjacency.delaunay();
-  if (delaunay.faces.data() == mesh.faces.data() || sources.empty()) return mesh;
-  const double on_mesh = crossings_on_mesh(adjacency, sources, poll);
-  // Fewer windows come of that than these lines say.
-  const double on_delaunay = kFewerWindows * crossings_in_any_direction(delaunay, poll);
-  if (poll.stopped()) return mesh;
-  return on_delaunay < on_mesh ? delaunay : mesh;
+  const bool is_flipped = delaunay.faces.data() != mesh.faces.data();
+  if ((!is_flipped && adjacency.refined() == nullptr) || sources.empty()) return mesh;
+  const auto has_all = [&](const Triangulation& surface) {
+    return std::all_of(sources.begin(), sources.end(), [&](const Source& source) {
+      return source.point.at_vertex() || !places_on(adjacency, surface, source.point, poll).empty();
+    });
+  };
+  Triangulation best = mesh;
+  double fewest = crossings_on_mesh(adjacency, sources, poll);
+  // Fewer windows come of any other than these lines say.
+  const auto consider = [&](const Triangulation& other) {
+    const double crossings = kFewerWindows * crossings_in_any_direction(other, poll);
+    if (!(crossings < fewest) || !has_all(other)) return;
+    best = other;
+    fewest = crossings;
+  };
+  if (is_flipped) consider(delaunay);
+  if (adjacency.refined() != nullptr) consider(adjacency.refined()->triangulation());
+  return poll.stopped() ? mesh : best;
 }
 
 }  // namespace geodesic::exact

@@ -4,6 +4,8 @@
 #include <optional>
 #include <unordered_set>
 
+#include "core/base/edge_key.h"
+
 namespace geodesic {
 namespace {
 
@@ -12,9 +14,7 @@ std::optional<std::uint64_t> edge_of(const Adjacency& adjacency, const SurfacePo
   const FaceRecord& face = adjacency.face(point.face);
   for (std::uint32_t c = 0; c < 3; ++c) {
     if (point.bary[c] != 0) continue;
-    const auto [low, high] =
-        std::minmax(face.vertex[next_corner(c)], face.vertex[previous_corner(c)]);
-    return std::uint64_t{low} << 32U | high;
+    return edge_key(face.vertex[next_corner(c)], face.vertex[previous_corner(c)]);
   }
   return std::nullopt;
 }

@@ -6,46 +6,31 @@
 
 #include "core/base/team.h"
 #include "core/base/tolerances.h"
-#include "core/base/vec3.h"
-#include "core/surface/point.h"
 
 namespace geodesic {
+
+StraightLinesFrom::StraightLinesFrom(const Mesh& mesh, const SurfacePoint& source) {
+  const auto positions = mesh.positions();
+  if (source.at_vertex()) {
+    corner_ = positions[source.vertex];
+    return;
+  }
+  const Triangle& t = mesh.faces()[source.face];
+  corner_ = positions[t[0]];
+  beyond_ =
+      source.bary[1] * (positions[t[1]] - corner_) + source.bary[2] * (positions[t[2]] - corner_);
+}
+
+bool StraightLinesFrom::raise(Vec3 place, double& distance) const {
+  const double straight2 = squared_to(place);
+  if (!(distance * distance < straight2)) return false;
+  const double straight = std::sqrt(straight2);
+  const bool is_below = distance < (1 - tolerance::kSamePath) * straight;
+  distance = straight;
+  return is_below;
+}
+
 namespace {
-
-// Straight lines from one source. Its place is kept relative to a corner of its face: the farther
-// the mesh is from the origin, the more coarsely the position itself would be rounded.
-class LinesFrom {
- public:
-  LinesFrom(const Mesh& mesh, const SurfacePoint& source) {
-    const auto positions = mesh.positions();
-    if (source.at_vertex()) {
-      corner_ = positions[source.vertex];
-      return;
-    }
-    const Triangle& t = mesh.faces()[source.face];
-    corner_ = positions[t[0]];
-    beyond_ =
-        source.bary[1] * (positions[t[1]] - corner_) + source.bary[2] * (positions[t[2]] - corner_);
-  }
-
-  [[nodiscard]] double squared_to(Vec3 place) const {
-    const Vec3 line = (place - corner_) - beyond_;
-    return dot(line, line);
-  }
-  // Raises the distance of a place, if it is below; whether it was so by more than rounding.
-  bool raise(Vec3 place, double& distance) const {
-    const double straight2 = squared_to(place);
-    if (!(distance * distance < straight2)) return false;
-    const double straight = std::sqrt(straight2);
-    const bool is_below = distance < (1 - tolerance::kSamePath) * straight;
-    distance = straight;
-    return is_below;
-  }
-
- private:
-  Vec3 corner_;
-  Vec3 beyond_{};
-};
 
 class StraightLines {
  public:
@@ -83,7 +68,7 @@ class StraightLines {
   std::span<const Vec3> positions_;
   std::span<double> distance_;
   const Field& field_;
-  std::vector<LinesFrom> lines_;
+  std::vector<StraightLinesFrom> lines_;
 };
 
 }  // namespace
@@ -102,7 +87,7 @@ bool raise_to_straight_lines(const Mesh& mesh, std::span<const std::uint32_t> ve
 bool raise_to_straight_lines(const Mesh& mesh, const SurfacePoint& source,
                              std::span<const std::uint32_t> vertices, std::span<double> distance,
                              Poll& poll) {
-  const LinesFrom lines(mesh, source);
+  const StraightLinesFrom lines(mesh, source);
   bool is_any_below = false;
   for (const std::uint32_t v : vertices) {
     if (poll.cancelled()) break;

@@ -6,10 +6,30 @@
 
 #include "core/base/cancel.h"
 #include "core/base/error.h"
+#include "core/base/vec3.h"
 #include "core/field/field.h"
 #include "core/mesh/mesh.h"
+#include "core/surface/point.h"
 
 namespace geodesic {
+
+// Straight lines from one source. Its place is kept relative to a corner of its face: the farther
+// the mesh is from the origin, the more coarsely the position itself would be rounded.
+class StraightLinesFrom {
+ public:
+  StraightLinesFrom(const Mesh& mesh, const SurfacePoint& source);
+
+  [[nodiscard]] double squared_to(Vec3 place) const {
+    const Vec3 line = (place - corner_) - beyond_;
+    return dot(line, line);
+  }
+  // Raises the distance of a place, if it is below; whether it was so by more than rounding.
+  bool raise(Vec3 place, double& distance) const;
+
+ private:
+  Vec3 corner_;
+  Vec3 beyond_{};
+};
 
 // Raises the distances of these vertices to the straight line in space from their nearest source,
 // where they are less. Returns whether any was less by more than rounding (1e-9 of the line). That

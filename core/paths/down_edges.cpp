@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/surface/side_length.h"
+#include "core/paths/side_length.h"
 
 namespace geodesic {
 

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "core/base/tolerances.h"
-#include "core/surface/side_length.h"
+#include "core/paths/side_length.h"
 
 namespace geodesic {
 namespace {

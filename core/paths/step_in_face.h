@@ -10,8 +10,8 @@
 
 #include "core/base/tolerances.h"
 #include "core/paths/arrive_at_point.h"
+#include "core/paths/side_length.h"
 #include "core/surface/adjacency.h"
-#include "core/surface/side_length.h"
 #include "core/wavefront/virtual_source.h"
 
 namespace geodesic {

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/edge_key.h"
 #include "core/base/polled_fill.h"
 #include "core/paths/faces_by_level.h"
 #include "core/paths/isolines.h"
@@ -131,7 +132,7 @@ class StripCutter {
       }
       return place;
     }
-    const std::uint64_t edge = std::uint64_t{corner.low} << 32U | corner.high;
+    const std::uint64_t edge = edge_key(corner.low, corner.high);
     auto& places = corner.is_begin ? places_at_begin_ : places_at_end_;
     const auto [it, is_new] = places.emplace(edge, next);
     if (is_new) {

@@ -9,16 +9,13 @@
 #include <unordered_set>
 #include <utility>
 
+#include "core/base/edge_key.h"
 #include "core/base/polled_fill.h"
 #include "core/refine/refined_numbers.h"
 #include "core/surface/line_gaps.h"
 
 namespace geodesic {
 namespace {
-
-std::uint64_t wall_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32U | std::max(a, b);
-}
 
 // Of an edge of a wall among the edges, and of its end with the faces there.
 constexpr std::uint64_t kBytesOfWallEdge = 256;
@@ -56,7 +53,7 @@ class Cutter {
       const auto& chain = refined.chains[wall];
       if (!poll_.may_take(kBytesOfWallEdge * chain.size())) return;
       for (std::size_t i = 1; i < chain.size() && !poll_.cancelled(); ++i) {
-        edges_.insert(wall_key(chain[i - 1], chain[i]));
+        edges_.insert(edge_key(chain[i - 1], chain[i]));
         for (const std::uint32_t v : {chain[i - 1], chain[i]}) faces_at_.try_emplace(v);
       }
     }
@@ -123,7 +120,7 @@ class Cutter {
         const auto [at, is_new] = first_over.try_emplace(other, i);
         if (is_new) continue;
         uncut.join(at->second, i);
-        if (!edges_.contains(wall_key(vertex, other))) cut.join(at->second, i);
+        if (!edges_.contains(edge_key(vertex, other))) cut.join(at->second, i);
       }
     }
     // A group's first face has its name. Those that a cut divides:

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/base/edge_key.h"
 #include "core/mesh/mesh.h"
 
 namespace geodesic {
@@ -28,9 +29,6 @@ Weights between(const Weights& a, const Weights& b, double t) {
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
   return std::uint64_t{from} << 32U | to;
-}
-std::uint64_t undirected(std::uint32_t a, std::uint32_t b) {
-  return directed(std::min(a, b), std::max(a, b));
 }
 
 // Two points that are no farther apart are one. Twice kSnap, for one of the same place may have
@@ -84,7 +82,7 @@ std::uint32_t FacePieces::over(std::uint32_t from, std::uint32_t to) const {
 }
 
 void FacePieces::split_edge(std::uint32_t u, std::uint32_t w, std::uint32_t at) {
-  splits_[undirected(u, w)] = at;
+  splits_[edge_key(u, w)] = at;
   for (const auto& [from, to] : {std::pair(u, w), std::pair(w, u)}) {
     const std::uint32_t triangle = over(from, to);
     if (triangle == kNone) continue;
@@ -326,7 +324,7 @@ std::vector<std::uint32_t> FacePieces::with_splits(const std::vector<std::uint32
   for (std::size_t i = 1; i < chain.size(); ++i) {
     ahead.assign(1, chain[i]);
     while (!ahead.empty()) {
-      const auto split = splits_.find(undirected(whole.back(), ahead.back()));
+      const auto split = splits_.find(edge_key(whole.back(), ahead.back()));
       if (split != splits_.end()) {
         ahead.push_back(split->second);
         continue;

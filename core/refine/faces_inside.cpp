@@ -5,14 +5,11 @@
 #include <cstddef>
 #include <unordered_set>
 
+#include "core/base/edge_key.h"
 #include "core/base/polled_fill.h"
 
 namespace geodesic {
 namespace {
-
-std::uint64_t line_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32U | std::max(a, b);
-}
 
 struct PartBeside {
   double area = 0;
@@ -35,7 +32,7 @@ Result<std::vector<std::uint8_t>> faces_inside(const Adjacency& adjacency,
   Poll poll(cancel);
   const Mesh& mesh = adjacency.mesh();
   std::unordered_set<std::uint64_t> edges;
-  for (std::size_t i = 1; i < chain.size(); ++i) edges.insert(line_key(chain[i - 1], chain[i]));
+  for (std::size_t i = 1; i < chain.size(); ++i) edges.insert(edge_key(chain[i - 1], chain[i]));
   std::vector<std::uint32_t> part_of;  // by face
   polled_assign(part_of, mesh.face_count(), kNone, poll);
   std::vector<PartBeside> parts;
@@ -57,7 +54,7 @@ Result<std::vector<std::uint8_t>> faces_inside(const Adjacency& adjacency,
       part.least = std::min(part.least, mesh.source_of_face(face));
       for (std::uint32_t c = 0; c < 3; ++c) {
         const Halfedge side = halfedge(face, c);
-        if (edges.contains(line_key(adjacency.tail(side), adjacency.head(side)))) continue;
+        if (edges.contains(edge_key(adjacency.tail(side), adjacency.head(side)))) continue;
         for (Halfedge h = adjacency.ring(side); h != side; h = adjacency.ring(h)) {
           if (poll.cancelled()) return;
           if (part_of[face_of(h)] != kNone) continue;

@@ -7,6 +7,7 @@
 
 #include "core/base/polled_fill.h"
 #include "core/refine/faces_inside.h"
+#include "core/surface/refined_surface.h"
 
 namespace geodesic {
 namespace {
@@ -41,7 +42,7 @@ Result<LineSides> LineSides::find(const Adjacency& surface, const SurfacePolylin
   auto refined = refine_along(own, std::span(&line, 1), most_vertices, cancel);
   if (!refined) return fail(std::move(refined.error()));
   const auto mesh = std::make_shared<const Mesh>(std::move(refined->mesh));
-  const auto adjacency = Adjacency::build(mesh, cancel);
+  const auto adjacency = build_unrefined(mesh, cancel);
   if (!adjacency) return fail(adjacency.error());
   const std::vector<std::uint32_t>& chain = refined->chains.front();
   auto inside = faces_inside(*adjacency, chain, cancel);

@@ -50,28 +50,38 @@ struct Meeting {
 // what the nearest meeting says of the point.
 bool ways_differ(const FaceRecord& face, const Field& field, const SurfacePoint& point,
                  double about) {
-  double least = about;
-  double most = about;
+  // Circles have no offset in them.
+  const auto offset_at = [&](std::uint32_t v) {
+    const std::uint32_t source = field.nearest_source.empty() ? 0 : field.nearest_source[v];
+    return source < field.sources.size() ? field.sources[source].offset : 0;  // not reached
+  };
+  const double offset = offset_at(face.vertex[0]);
+  if (offset_at(face.vertex[1]) != offset || offset_at(face.vertex[2]) != offset) return true;
+  const auto distance = [&](std::uint32_t c) { return field.distance[face.vertex[c]] - offset; };
+  // Which has taken digits from the distances, too.
+  const double rounding = 2 * tolerance::kSinglePrecision * offset;
+  double least = about - offset;
+  double most = least;
   for (std::uint32_t c = 0; c < 3; ++c) {
     const std::uint32_t n = next_corner(c);
     const std::uint32_t third = previous_corner(c);
-    const double wanted = field.distance[face.vertex[third]];
+    const double wanted = distance(third);
     const UnfoldedApex apex = face.apex_over(c);
-    Meeting meeting(apex.base2(), field.distance[face.vertex[c]], field.distance[face.vertex[n]]);
+    Meeting meeting(apex.base2(), distance(c), distance(n));
     Meeting mirrored = meeting;
     mirrored.y = -meeting.y;
     const auto wrong = [&](const Meeting& at) {
       return std::abs(at.to(apex.from_p, apex.height) - wanted);
     };
     if (wrong(mirrored) < wrong(meeting)) meeting = mirrored;
-    if (!(wrong(meeting) <= kDiffers * wanted)) return true;
+    if (!(wrong(meeting) <= kDiffers * wanted + rounding)) return true;
     const double above = point.bary[third];
     const double said =
         meeting.to(point.bary[n] * apex.base2() + above * apex.from_p, above * apex.height);
     least = std::min(least, said);
     most = std::max(most, said);
   }
-  return !(most - least <= kDiffers * least);
+  return !(most - least <= kDiffers * least + rounding);
 }
 
 // Whether circles say little of the point.

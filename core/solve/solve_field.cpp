@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "core/back_traced/slivers.h"
@@ -30,25 +31,57 @@ Result<Field> traced_field(const Adjacency& adjacency, std::span<const Source> s
                            scratch.back_traced, cancel);
 }
 
-// Distances by windows, made longer by what rounding may have taken; where ways that were traced
-// are shorter, which keep an account, those. Both with the same limits.
-Result<Field> lesser_of_both(Field by_windows, const Adjacency& adjacency,
+// What rounding may take of a distance by windows is nothing beyond this: for a bound, beside what
+// rounding to a float takes; otherwise, no more than that.
+double farthest_to_trace(double extent, Bound bound) {
+  constexpr double kBesideFloat = 5e-10;  // of the distance
+  return extent * tolerance::kWindows /
+         (bound == Bound::upper ? kBesideFloat : tolerance::kSinglePrecision);
+}
+
+// Whether vertices that are no sources are as near. Windows may say 0 of one.
+bool has_others_within(double farthest, const Field& field) {
+  for (std::uint32_t v = 0; v < field.distance.size(); ++v) {
+    if (!(field.distance[v] < farthest)) continue;
+    if (std::none_of(field.sources.begin(), field.sources.end(),
+                     [v](const Source& source) { return source.point.vertex == v; })) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Distances by windows, for a bound made longer by what rounding may have taken. Near the sources
+// that may be much of them: there, where ways that were traced are shorter, which keep an account,
+// those. Both with the same limits.
+Result<Field> lesser_of_both(Field by_windows, Bound bound, const Adjacency& adjacency,
                              std::span<const Source> sources, const FieldLimits& limits,
                              SolveScratch::Parts& scratch, const Cancel& cancel) {
-  auto traced = traced_field(adjacency, sources, limits, Bound::upper, scratch, cancel);
-  if (!traced) return traced;
   const auto& box = adjacency.mesh().box();
   const double extent = norm(box.max - box.min);
+  const double farthest = farthest_to_trace(extent, bound);
   const std::span<double> distance = by_windows.distance.doubles();
+  std::optional<Field> traced;
+  if (has_others_within(farthest, by_windows)) {
+    FieldLimits near = limits;
+    near.max = std::min(limits.max, farthest);
+    auto field = back_traced_field(adjacency, sources, near, Bound::upper, nullptr,
+                                   scratch.back_traced, cancel);
+    if (!field) return field;
+    traced = std::move(*field);
+  }
   for (std::size_t v = 0; v < distance.size(); ++v) {
     if (distance[v] == kUnreached) continue;
     const double rounding = tolerance::kWindows * (extent + distance[v]);
     const double shortest = distance[v];
-    distance[v] += rounding;
+    if (!traced && shortest < farthest) continue;  // a source
+    if (bound == Bound::upper || shortest < farthest) distance[v] += rounding;
     // Below what windows allow, the account was wrong; also where it is below what they say by
     // less.
-    if (!(traced->distance[v] <= distance[v] && traced->distance[v] >= shortest - rounding))
+    if (!traced ||
+        !(traced->distance[v] <= distance[v] && traced->distance[v] >= shortest - rounding)) {
       continue;
+    }
     distance[v] = std::max(traced->distance[v], shortest);
     if (sources.size() > 1) by_windows.nearest_source[v] = traced->nearest_source[v];
   }
@@ -62,9 +95,10 @@ constexpr std::uint64_t kQuestionsOfVertex = 4;
 constexpr std::uint64_t kMostQuestions = 60'000;
 constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 
-// Leaves what a field of these limits has of one that went everywhere.
+// Leaves what a field of these limits has of one that went everywhere, and what may come to lie
+// within them once it is rounded.
 void restrict_to(const FieldLimits& limits, Field& field) {
-  double farthest = limits.max;
+  double farthest = limits.max * (1 + tolerance::kSinglePrecision);
   if (!limits.targets.empty()) {
     double last = 0;
     for (const std::uint32_t v : limits.targets) last = std::max(last, field.distance[v]);
@@ -102,7 +136,7 @@ Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
   };
   if (!field && is_too_much && !cancel.requested()) return by_traces();
   if (field && !is_even(adjacency)) {
-    field = lesser_of_both(std::move(*field), adjacency, sources, limits, scratch, cancel);
+    field = lesser_of_both(std::move(*field), bound, adjacency, sources, limits, scratch, cancel);
   }
   if (!field) return field;
   Poll poll(cancel);

@@ -8,7 +8,8 @@
 #include "core/base/vec3.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/triangle_soup.h"
-#include "core/surface/side_not_below.h"
+#include "core/surface/refined_surface.h"
+#include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
 namespace {
@@ -61,7 +62,7 @@ Result<SurfacePatch> SurfacePatch::cut(const Adjacency& adjacency, const Surface
   // What the surface joins is joined already.
   auto cut = Mesh::build(soup, Weld::off, cancel);
   if (!cut) return fail(std::move(cut.error()));
-  auto prepared = Adjacency::build(std::make_shared<const Mesh>(std::move(*cut)), cancel);
+  auto prepared = build_unrefined(std::make_shared<const Mesh>(std::move(*cut)), cancel);
   if (!prepared) return fail(std::move(prepared.error()));
   patch.adjacency_ = std::make_unique<const Adjacency>(std::move(*prepared));
   return patch;

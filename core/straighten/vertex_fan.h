@@ -10,13 +10,9 @@
 #include "core/base/cancel.h"
 #include "core/straighten/face_strip.h"
 #include "core/surface/adjacency.h"
+#include "core/surface/walk_over_faces.h"
 
 namespace geodesic {
-
-// The angle of a face at one of its corners, between 0 and pi.
-[[nodiscard]] inline double corner_angle(const FaceRecord& face, std::uint32_t c) {
-  return std::atan2(face.area2, face.dot[c]);
-}
 
 // The corner of a face that is at a vertex of it.
 [[nodiscard]] inline std::uint32_t corner_at(const Adjacency& adjacency, std::uint32_t face,

@@ -15,6 +15,7 @@
 #include "core/surface/corner_lists.h"
 #include "core/surface/count_parts.h"
 #include "core/surface/intrinsic_delaunay.h"
+#include "core/surface/refined_surface.h"
 #include "core/surface/roughness.h"
 #include "core/surface/unfold_rounding.h"
 
@@ -285,14 +286,9 @@ Triangulation view_of(const Adjacency::Parts& parts) {
           parts.is_crowded,  parts.has_lines,    parts.longest2};
 }
 
-}  // namespace
-
-Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
-  return std::move(*build(std::move(mesh), Cancel()));
-}
-
-Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
-  AdjacencyBuilder building{*mesh};
+// All but the refined surface.
+Result<Adjacency::Parts> build_parts(const Mesh& mesh, const Cancel& cancel) {
+  AdjacencyBuilder building{mesh};
   Poll poll(cancel);
   int done = 0;
   for (const auto step : {&AdjacencyBuilder::fill_geometry, &AdjacencyBuilder::fill_corners,
@@ -302,27 +298,51 @@ Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cance
     if (poll.ask()) return fail_stopped(cancel);
     cancel.report(++done / 10.0);
   }
-  const bool is_rough = geodesic::is_rough(building.faces.all(), mesh->positions());
-  Parts parts{.faces = std::move(building.faces).share(),
-              .corner_begin = SharedArray(std::move(building.corner_begin)),
-              .corners = SharedArray(std::move(building.corners)),
-              .pinched = SharedArray(std::move(building.pinched)),
-              .is_oriented = building.is_oriented,
-              .is_even = building.is_even,
-              .has_flat_faces = building.has_flat_faces,
-              .has_lines = building.has_lines,
-              .is_crowded = building.is_crowded,
-              .is_rough = is_rough,
-              .has_large_faces = building.has_large_faces,
-              .longest2 = building.longest2,
-              .delaunay = nullptr,
-              .report = building.report};
-  auto delaunay = IntrinsicDelaunay::build(view_of(parts), mesh->positions(), cancel);
+  const bool is_rough = geodesic::is_rough(building.faces.all(), mesh.positions());
+  Adjacency::Parts parts{.faces = std::move(building.faces).share(),
+                         .corner_begin = SharedArray(std::move(building.corner_begin)),
+                         .corners = SharedArray(std::move(building.corners)),
+                         .pinched = SharedArray(std::move(building.pinched)),
+                         .is_oriented = building.is_oriented,
+                         .is_even = building.is_even,
+                         .has_flat_faces = building.has_flat_faces,
+                         .has_lines = building.has_lines,
+                         .is_crowded = building.is_crowded,
+                         .is_rough = is_rough,
+                         .has_large_faces = building.has_large_faces,
+                         .longest2 = building.longest2,
+                         .delaunay = nullptr,
+                         .refined = nullptr,
+                         .report = building.report};
+  auto delaunay = IntrinsicDelaunay::build(view_of(parts), mesh.positions(), cancel);
   if (!delaunay) return fail(std::move(delaunay.error()));
   if (delaunay->flips() != 0) {
     parts.delaunay = std::make_shared<const IntrinsicDelaunay>(std::move(*delaunay));
   }
-  return Adjacency(std::move(mesh), std::move(parts));
+  return parts;
+}
+
+}  // namespace
+
+Adjacency Adjacency::build(std::shared_ptr<const Mesh> mesh) {
+  return std::move(*build(std::move(mesh), Cancel()));
+}
+
+Result<Adjacency> Adjacency::build(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
+  auto parts = build_parts(*mesh, cancel);
+  if (!parts) return fail(std::move(parts.error()));
+  const Triangulation own = view_of(*parts);
+  const Triangulation flipped = parts->delaunay ? parts->delaunay->triangulation() : own;
+  auto refined = RefinedSurface::build(own, flipped, mesh->positions(), cancel);
+  if (!refined) return fail(std::move(refined.error()));
+  parts->refined = std::move(*refined);
+  return Adjacency(std::move(mesh), std::move(*parts));
+}
+
+Result<Adjacency> build_unrefined(std::shared_ptr<const Mesh> mesh, const Cancel& cancel) {
+  auto parts = build_parts(*mesh, cancel);
+  if (!parts) return fail(std::move(parts.error()));
+  return Adjacency(std::move(mesh), std::move(*parts));
 }
 
 Adjacency::Adjacency(std::shared_ptr<const Mesh> mesh, Parts parts)
@@ -351,7 +371,8 @@ Halfedge Adjacency::find_edge(std::uint32_t a, std::uint32_t b) const {
 std::size_t Adjacency::bytes() const {
   return sizeof(Adjacency) + parts_.faces.bytes() + parts_.corner_begin.bytes() +
          parts_.corners.bytes() + parts_.pinched.bytes() +
-         (parts_.delaunay ? parts_.delaunay->bytes() : 0);
+         (parts_.delaunay ? parts_.delaunay->bytes() : 0) +
+         (parts_.refined ? parts_.refined->bytes() : 0);
 }
 
 }  // namespace geodesic

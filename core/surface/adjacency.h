@@ -40,6 +40,7 @@ struct TopologyReport {
 };
 
 class IntrinsicDelaunay;  // intrinsic_delaunay.h
+class RefinedSurface;     // refined_surface.h
 
 class Adjacency {
  public:
@@ -63,6 +64,7 @@ class Adjacency {
     bool has_large_faces = false;                       // see the member function
     double longest2 = 0;                                // as in Triangulation
     std::shared_ptr<const IntrinsicDelaunay> delaunay;  // null when no edge was flipped
+    std::shared_ptr<const RefinedSurface> refined;      // null where it would be no better
     TopologyReport report;
   };
   // `parts` are those of what `build` has made of this mesh; they are not checked.
@@ -102,6 +104,8 @@ class Adjacency {
   // computed from triangle to triangle: the same where nothing was to be improved.
   [[nodiscard]] Triangulation triangulation() const;
   [[nodiscard]] Triangulation delaunay() const;
+  // One with more vertices, for windows on meshes of needles; or null.
+  [[nodiscard]] const RefinedSurface* refined() const { return parts_.refined.get(); }
 
   // Whether the surface bends much from face to face (roughness.h).
   [[nodiscard]] bool is_rough() const { return parts_.is_rough; }

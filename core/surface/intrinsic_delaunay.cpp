@@ -13,7 +13,7 @@
 #include "core/base/team.h"
 #include "core/base/tolerances.h"
 #include "core/surface/corner_lists.h"
-#include "core/surface/side_lengths.h"
+#include "core/surface/intrinsic_faces.h"
 #include "core/surface/unfold_rounding.h"
 
 namespace geodesic {
@@ -43,8 +43,6 @@ struct DelaunayBuilder {
   std::uint64_t flip_waiting(std::vector<Halfedge>& waiting, std::size_t face_count,
                              SideLengths& lengths, IsWanted is_wanted, MayFlip may_flip,
                              Poll& poll);
-  // Whether it was flipped: not if that would leave a face without area.
-  bool flip(Halfedge h, SideLengths& lengths);
   // Whether a flip reads and writes no faces but the block's. The halfedge's two are.
   [[nodiscard]] bool is_within(const Block& block, Halfedge h) const;
 
@@ -52,7 +50,6 @@ struct DelaunayBuilder {
     return {faces.all(), {}, {}, is_oriented, false, has_flat_faces, is_crowded};
   }
   [[nodiscard]] bool is_wanted(Halfedge h) const;
-  [[nodiscard]] bool is_between_flats(Halfedge h) const;
   void leave_for_later(Halfedge h) {
     later[face_of(h) / kBits] |= std::uint64_t{1} << (face_of(h) % kBits);
   }
@@ -143,20 +140,7 @@ bool DelaunayBuilder::is_wanted(Halfedge h) const {
   const Triangulation faces = view();
   if (faces.ring(h) == h) return false;
   return IntrinsicDelaunay::excess(faces, h) < -IntrinsicDelaunay::excess_rounding(faces, h) ||
-         (has_flat_faces && is_between_flats(h));
-}
-
-// Two faces without width that lie on each other by their longest sides, as where both faces of an
-// edge have been cut there, each at a vertex of its own. The edge between these two is shorter; and
-// beyond their other sides there are faces with a width, or others without one, which flips come to
-// in the end.
-bool DelaunayBuilder::is_between_flats(Halfedge h) const {
-  const auto is_longest_of_flat = [this](Halfedge side) {
-    const FaceRecord& face = faces[face_of(side)];
-    return face.area2 <= tolerance::kZeroArea * face.longest2() &&
-           face.longest_side() == corner_of(side);
-  };
-  return is_longest_of_flat(h) && is_longest_of_flat(view().ring(h));
+         (has_flat_faces && is_between_flats(faces.faces, h));
 }
 
 void DelaunayBuilder::flip_edges(std::span<const Vec3> positions, Poll& poll) {
@@ -226,7 +210,7 @@ std::uint64_t DelaunayBuilder::flip_waiting(std::vector<Halfedge>& waiting, std:
     if (!is_wanted(h) || !IntrinsicDelaunay::can_flip(view(), h) || !may_flip(h)) continue;
     const std::uint32_t f = face_of(h);
     const std::uint32_t g = face_of(view().ring(h));
-    if (!flip(h, lengths)) continue;
+    if (!flip_edge(faces.all(), h, lengths)) continue;
     ++count;
     // The new edge is side 1 of both; their other sides have a new angle opposite.
     for (const Halfedge side : {halfedge(f, 0), halfedge(f, 2), halfedge(g, 0), halfedge(g, 2)}) {
@@ -246,118 +230,6 @@ bool DelaunayBuilder::is_within(const Block& block, Halfedge h) const {
         if (!block.has(p) || ++count > Triangulation::kCrowd) return false;
       }
     }
-  }
-  return true;
-}
-
-namespace {
-
-bool loses_a_length(const FaceRecord& face) {
-  return face.loses_length(0) || face.loses_length(1) || face.loses_length(2);
-}
-
-}  // namespace
-
-// The edge a - b between the apexes c and d becomes the edge d - c:
-//
-//        c                  c
-//      / h \              / | \       face of h:      (a, d, c)
-//     a --- b     ->     a  |  b      face across:    (b, c, d)
-//      \   /              \ | /
-//        d                  d
-bool DelaunayBuilder::flip(Halfedge h, SideLengths& lengths) {
-  const auto ring = [this](Halfedge x) { return faces[face_of(x)].ring[corner_of(x)]; };
-  const std::uint32_t f = face_of(h);
-  const Halfedge across = ring(h);
-  const std::uint32_t g = face_of(across);
-  const FaceRecord one = faces[f];
-  const FaceRecord other = faces[g];
-  // Corners of a, b and the apex in either face, whatever their windings.
-  const std::uint32_t a1 = corner_of(h);
-  const std::uint32_t b1 = next_corner(a1);
-  const std::uint32_t c1 = previous_corner(a1);
-  const bool opposed = other.vertex[corner_of(across)] != one.vertex[a1];
-  const std::uint32_t a2 = opposed ? next_corner(corner_of(across)) : corner_of(across);
-  const std::uint32_t b2 = opposed ? corner_of(across) : next_corner(corner_of(across));
-  const std::uint32_t d2 = previous_corner(corner_of(across));
-
-  const auto of_one = lengths.squared(f, one);
-  const auto of_other = lengths.squared(g, other);
-  const Quad quad{.ab2 = of_one[a1],
-                  .bc2 = of_one[b1],
-                  .ca2 = of_one[c1],
-                  .ad2 = of_other[opposed ? a2 : d2],
-                  .bd2 = of_other[opposed ? d2 : b2]};
-  if (!(quad.ab2.high > 0)) return false;
-  const Flipped flipped = flip_diagonal(quad);
-  FaceRecord left = one;
-  FaceRecord right = other;
-  left.dot = flipped.dot_a;
-  left.area2 = flipped.area_a;
-  right.dot = flipped.dot_b;
-  right.area2 = flipped.area_b;
-  const bool are_flat = is_between_flats(h);
-  // Written so that what is not a number fails.
-  const bool is_better = flipped.is_convex &&
-                         left.area2 > tolerance::kFlippedHeight * left.longest2() &&
-                         right.area2 > tolerance::kFlippedHeight * right.longest2();
-  if (!(is_better || are_flat) || loses_a_length(left) || loses_a_length(right)) return false;
-  // No more than their heights.
-  const double own_error =
-      are_flat ? std::min(std::max(one.area2, other.area2) / quad.ab2.high, flipped.error)
-               : flipped.error;
-  const double error = double{std::max(one.error, other.error)} + own_error;
-  if (!(error <= tolerance::kFlips)) return false;
-
-  // Sides as halfedges before and after: c - a, a - d in the face of h; d - b, b - c
-  // in the other.
-  const auto side = [](std::uint32_t face, std::uint32_t apex) {
-    return halfedge(face, next_corner(apex));  // opposite a corner
-  };
-  struct Moved {
-    Halfedge from;
-    Halfedge to;
-    Halfedge next;
-  };
-  std::array<Moved, 4> moved{{{side(f, b1), halfedge(f, 2), 0},
-                              {side(g, b2), halfedge(f, 0), 0},
-                              {side(g, a2), halfedge(g, 2), 0},
-                              {side(f, a1), halfedge(g, 0), 0}}};
-  const auto now = [&](Halfedge old) {
-    for (const Moved& m : moved) {
-      if (m.from == old) return m.to;
-    }
-    return old;
-  };
-  // Whoever points at a moved side is found before anything is written.
-  std::array<Halfedge, 4> before{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    moved[i].next = now(ring(moved[i].from));
-    Halfedge p = moved[i].from;
-    std::size_t faces = 1;
-    for (; ring(p) != moved[i].from && faces <= Triangulation::kCrowd; ++faces) p = ring(p);
-    if (faces > Triangulation::kCrowd) return false;  // would ask them all, at each of their flips
-    before[i] = now(p);
-  }
-  const std::uint32_t a = one.vertex[a1];
-  const std::uint32_t b = one.vertex[b1];
-  const std::uint32_t c = one.vertex[c1];
-  const std::uint32_t d = other.vertex[d2];
-  left.vertex = {a, d, c};
-  right.vertex = {b, c, d};
-  left.error = right.error = static_cast<float>(error);
-  left.ring[1] = halfedge(g, 1);
-  right.ring[1] = halfedge(f, 1);
-  faces[f] = left;
-  faces[g] = right;
-  lengths.set(f, {quad.ad2, flipped.cd2, quad.ca2});
-  lengths.set(g, {quad.bc2, flipped.cd2, quad.bd2});
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto set = [&](Halfedge from, Halfedge to) {
-      faces[face_of(from)].ring[corner_of(from)] = to;
-    };
-    set(moved[i].to, moved[i].next);
-    set(before[i], moved[i].to);
   }
   return true;
 }

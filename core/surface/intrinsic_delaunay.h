@@ -13,7 +13,7 @@
 // those of three faces or more, and those whose flip would leave a face without area, or one with
 // a side so short that the face's products do not say how long it is (FaceRecord::loses_length).
 //
-// Flips work on the lengths of edges, as numbers of two doubles (side_lengths.h), which the two
+// Flips work on the lengths of edges, as numbers of two doubles (intrinsic_faces.h), which the two
 // faces of an edge share. So whatever rounding does, the faces fit together, and what a flip loses
 // is lost once: it does not grow with the flips after it. Faces that did not quite fit together
 // would be pulled further apart by each flip over a short edge, by its longest side over its

@@ -1,5 +1,5 @@
-// What rounding does to faces that are unfolded into a plane one after another, and by how much it
-// may shorten a straight way over them.
+// What rounding does to the sides of a face, and to faces that are unfolded into a plane one after
+// another: by how much it may shorten a straight way over them.
 //
 // A corner is off by a few roundings of its distance from the origin. As the end of an edge, it
 // turns and scales everything that is unfolded beyond that edge, by its error over the edge's
@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -19,9 +20,23 @@
 #include "core/base/tolerances.h"
 #include "core/base/vec2.h"
 #include "core/surface/face_record.h"
-#include "core/surface/side_not_below.h"
 
 namespace geodesic {
+
+[[nodiscard]] inline double longest_side(const FaceRecord& face) {
+  return std::sqrt(std::max(face.longest2(), 0.0));
+}
+
+// The length of the edge vertex[c] - vertex[c + 1], never below it by more than 1e-10 of it. On a
+// mesh's own faces the two dot products at the edge are off by some roundings of its length times
+// the longest side's. So they leave nothing of an edge 1e16 times shorter than the longest side.
+[[nodiscard]] inline double side_not_below(const FaceRecord& face, std::uint32_t c) {
+  constexpr double kMostRatio2 = 1e8;  // up to this ratio, rounding is below 1e-10 of the side
+  const double length2 = std::max(face.length2(c), 0.0);
+  const double longest = longest_side(face);
+  if (longest * longest <= kMostRatio2 * length2) return std::sqrt(length2);
+  return std::sqrt(length2) + (tolerance::kSide + double{face.error}) * longest;
+}
 
 struct UnfoldRounding {
   // How far a corner of a face may be off, when nothing is farther than `farthest`.

@@ -27,8 +27,8 @@
 namespace geodesic::detail {
 
 // Ways along edges bound a wave on all sides and from its start, so its overlap is wider. With one
-// overlap 1.4 times as many distances by `auto` differ from those of whole waves, as the test
-// DistancesFromManySourcesAreTheLeastFromEachAlone counts them.
+// overlap 1.4 times as many distances differ from those of whole waves. (That was counted by `auto`
+// when it had a wave for each source.)
 inline constexpr double kOverlapByEdges = 2;
 
 // Where a wave, whose source starts at zero, goes on from.

@@ -6,8 +6,8 @@
 
 namespace geodesic::proto {
 
-// Each source has a wave of its own, and each row of a table; each point is looked
-// up and answered.
+// By some methods each source has a wave of its own, by all each row of a table has one. Each point
+// is looked up and answered.
 inline constexpr std::size_t kMaxSources = 1000;
 inline constexpr std::size_t kMaxPoints = 100'000;
 // Of the curves of a query: each leg is a shortest path, which may take a field.

@@ -12,6 +12,7 @@
 #include "core/solve/pair_search.h"
 #include "core/solve/solve_scratch.h"
 #include "core/surface/line_gaps.h"
+#include "core/surface/refined_surface.h"
 #include "proto/wire/query_limits.h"
 #include "server/places/resolve_point.h"
 
@@ -161,7 +162,7 @@ class LineCutter {
       forbid[f] = shapes.forbid[mesh.source_of_face(f)];
     }
     if (!insides_.empty()) {
-      const auto adjacency = Adjacency::build(std::make_shared<const Mesh>(mesh), cancel_);
+      const auto adjacency = build_unrefined(std::make_shared<const Mesh>(mesh), cancel_);
       if (!adjacency) return fail(adjacency.error());
       for (const auto& [line, is_within] : insides_) {
         auto inside = faces_inside(*adjacency, refined.chains[line], cancel_);

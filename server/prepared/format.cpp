@@ -17,6 +17,7 @@
 
 #include "core/mesh/mesh.h"
 #include "core/surface/intrinsic_delaunay.h"
+#include "core/surface/refined_surface.h"
 #include "server/base/durable_file.h"
 
 namespace geodesic::server {
@@ -25,7 +26,14 @@ namespace {
 constexpr std::size_t kAlignment = 64;                 // of each array: a FaceRecord's
 constexpr std::size_t kAtOnce = std::size_t{1} << 20;  // bytes between two calls of `stop`
 constexpr std::array<char, 8> kMagic{'g', 'e', 'o', 'p', 'r', 'e', 'p', '1'};
-constexpr std::size_t kArrays = 14;
+constexpr std::size_t kArrays = 19;
+
+// What a triangulation consists of besides arrays.
+struct DelaunayNumbers {
+  std::uint64_t flips;
+  double longest2;
+  std::uint8_t is_oriented, is_crowded, is_even, has_flat_faces;  // 0 or 1
+};
 
 // What a prepared mesh consists of besides arrays.
 struct Numbers {
@@ -33,13 +41,12 @@ struct Numbers {
   Box box;
   double area;
   TopologyReport report;
-  std::uint64_t flips;
-  double longest2, delaunay_longest2;
+  double longest2;
   // 0 or 1.
   std::uint8_t is_oriented, is_even, has_flat_faces, has_lines, is_crowded, is_rough,
       has_large_faces;
-  std::uint8_t has_delaunay, delaunay_is_oriented, delaunay_is_crowded, delaunay_is_even,
-      delaunay_has_flat_faces;
+  std::uint8_t has_delaunay, has_refined;
+  DelaunayNumbers delaunay, refined;
 };
 
 struct alignas(kAlignment) Head {
@@ -54,20 +61,47 @@ struct alignas(kAlignment) Head {
 static_assert(std::is_trivially_copyable_v<Head>);
 constexpr std::size_t kNotCovered = offsetof(Head, checksum) + sizeof(Head::checksum);
 
+// What a prepared mesh consists of; of what it has not, no arrays.
+struct PreparedParts {
+  Mesh::Parts mesh;
+  Adjacency::Parts surface;
+  IntrinsicDelaunay::Parts delaunay;
+  IntrinsicDelaunay::Parts refined;
+  SharedArray<std::uint32_t> first_corner;  // as in RefinedSurface
+  SharedArray<double> first_direction;
+};
+
+PreparedParts parts_of(const Adjacency& adjacency) {
+  PreparedParts parts{adjacency.mesh().parts(), adjacency.parts(), {}, {}, {}, {}};
+  if (parts.surface.delaunay) parts.delaunay = parts.surface.delaunay->parts();
+  if (adjacency.refined() != nullptr) {
+    const auto& [refined, first_corner, first_direction] = adjacency.refined()->parts();
+    parts.refined = refined.parts();
+    parts.first_corner = first_corner;
+    parts.first_direction = first_direction;
+  }
+  return parts;
+}
+
 // All arrays, in the order in which they are written: the same for writing and for reading. Parts
 // are named one by one, so that this does not compile when one is added; numbers among them are
 // copied in head_of() and read_prepared().
-template <class MeshParts, class SurfaceParts, class DelaunayParts, class Visit>
-void each_array(MeshParts& of_mesh, SurfaceParts& of_surface, DelaunayParts& of_delaunay,
-                Visit&& visit) {
+template <class DelaunayParts, class Visit>
+void each_array_of(DelaunayParts& delaunay, Visit&& visit) {
+  [[maybe_unused]] auto& [faces, corner_begin, corners, is_oriented, is_crowded, is_even,
+                          has_flat_faces, longest2, flips] = delaunay;
+  visit(faces);
+  visit(corner_begin);
+  visit(corners);
+}
+
+template <class Parts, class Visit>
+void each_array(Parts& parts, Visit&& visit) {
   [[maybe_unused]] auto& [positions, triangles, vertex_of_source, source_of_vertex, face_of_source,
-                          source_of_face, dropped, zero_area_faces, box, area] = of_mesh;
+                          source_of_face, dropped, zero_area_faces, box, area] = parts.mesh;
   [[maybe_unused]] auto& [faces, corner_begin, corners, pinched, is_oriented, is_even,
                           has_flat_faces, has_lines, is_crowded, is_rough, has_large_faces,
-                          longest2, delaunay, report] = of_surface;
-  [[maybe_unused]] auto& [other_faces, other_corner_begin, other_corners, other_is_oriented,
-                          other_is_crowded, other_is_even, other_has_flat_faces, other_longest2,
-                          flips] = of_delaunay;
+                          longest2, delaunay, refined, report] = parts.surface;
   visit(positions);
   visit(triangles);
   visit(vertex_of_source);
@@ -79,19 +113,33 @@ void each_array(MeshParts& of_mesh, SurfaceParts& of_surface, DelaunayParts& of_
   visit(corner_begin);
   visit(corners);
   visit(pinched);
-  visit(other_faces);
-  visit(other_corner_begin);
-  visit(other_corners);
+  each_array_of(parts.delaunay, visit);
+  each_array_of(parts.refined, visit);
+  visit(parts.first_corner);
+  visit(parts.first_direction);
+}
+
+// One by one, for what lies between them in a file is zeros.
+void copy_numbers(const IntrinsicDelaunay::Parts& from, DelaunayNumbers& to) {
+  to.flips = from.flips;
+  to.longest2 = from.longest2;
+  to.is_oriented = from.is_oriented;
+  to.is_crowded = from.is_crowded;
+  to.is_even = from.is_even;
+  to.has_flat_faces = from.has_flat_faces;
+}
+
+void copy_numbers(const DelaunayNumbers& from, IntrinsicDelaunay::Parts& to) {
+  to.flips = from.flips;
+  to.longest2 = from.longest2;
+  to.is_oriented = from.is_oriented != 0;
+  to.is_crowded = from.is_crowded != 0;
+  to.is_even = from.is_even != 0;
+  to.has_flat_faces = from.has_flat_faces != 0;
 }
 
 constexpr std::uint64_t padded(std::uint64_t bytes) {
   return (bytes + kAlignment - 1) / kAlignment * kAlignment;
-}
-
-// Where no edge was flipped: no arrays.
-IntrinsicDelaunay::Parts delaunay_of(const Adjacency& adjacency) {
-  const auto& delaunay = adjacency.parts().delaunay;
-  return delaunay ? delaunay->parts() : IntrinsicDelaunay::Parts{};
 }
 
 template <std::size_t kSize>
@@ -112,12 +160,11 @@ Head head_of(const PreparedName& name, const Adjacency& adjacency) {
   head.magic = kMagic;
   set_text(head.mesh, name.mesh);
   set_text(head.engine, name.engine);
-  const Mesh::Parts& mesh = adjacency.mesh().parts();
-  const Adjacency::Parts& surface = adjacency.parts();
-  const IntrinsicDelaunay::Parts delaunay = delaunay_of(adjacency);
+  const PreparedParts parts = parts_of(adjacency);
+  const auto& [mesh, surface, delaunay, refined, first_corner, first_direction] = parts;
   std::size_t at = 0;
   head.bytes = sizeof(Head);
-  each_array(mesh, surface, delaunay, [&](const auto& array) {
+  each_array(parts, [&](const auto& array) {
     head.counts.at(at++) = array.size();
     head.bytes += padded(std::span(array).size_bytes());
   });
@@ -126,9 +173,7 @@ Head head_of(const PreparedName& name, const Adjacency& adjacency) {
   numbers.box = mesh.box;
   numbers.area = mesh.area;
   numbers.report = surface.report;
-  numbers.flips = delaunay.flips;
   numbers.longest2 = surface.longest2;
-  numbers.delaunay_longest2 = delaunay.longest2;
   numbers.is_oriented = surface.is_oriented;
   numbers.is_even = surface.is_even;
   numbers.has_flat_faces = surface.has_flat_faces;
@@ -137,10 +182,9 @@ Head head_of(const PreparedName& name, const Adjacency& adjacency) {
   numbers.is_rough = surface.is_rough;
   numbers.has_large_faces = surface.has_large_faces;
   numbers.has_delaunay = surface.delaunay != nullptr;
-  numbers.delaunay_is_oriented = delaunay.is_oriented;
-  numbers.delaunay_is_crowded = delaunay.is_crowded;
-  numbers.delaunay_is_even = delaunay.is_even;
-  numbers.delaunay_has_flat_faces = delaunay.has_flat_faces;
+  numbers.has_refined = surface.refined != nullptr;
+  copy_numbers(delaunay, numbers.delaunay);
+  copy_numbers(refined, numbers.refined);
   return head;
 }
 
@@ -233,8 +277,8 @@ Result<void> write_prepared(int file, const PreparedName& name, const Adjacency&
     }
   };
   append(std::as_bytes(std::span(&head, 1)));
-  const IntrinsicDelaunay::Parts delaunay = delaunay_of(adjacency);
-  each_array(adjacency.mesh().parts(), adjacency.parts(), delaunay, [&](const auto& array) {
+  const PreparedParts parts = parts_of(adjacency);
+  each_array(parts, [&](const auto& array) {
     static constexpr std::array<std::byte, kAlignment> kZeros{};
     const auto bytes = std::as_bytes(std::span(array));
     append(bytes);
@@ -261,13 +305,12 @@ std::shared_ptr<const Adjacency> read_prepared(std::span<const std::byte> bytes,
       head.checksum != checksum.value()) {
     return nullptr;
   }
-  Mesh::Parts mesh;
-  Adjacency::Parts surface;
-  IntrinsicDelaunay::Parts delaunay;
+  PreparedParts parts;
   Arrays arrays(bytes, head, holder);
-  each_array(mesh, surface, delaunay, arrays);
+  each_array(parts, arrays);
   if (!arrays.is_whole()) return nullptr;
   const Numbers& numbers = head.numbers;
+  auto& [mesh, surface, delaunay, refined, first_corner, first_direction] = parts;
   mesh.zero_area_faces = static_cast<std::uint32_t>(numbers.zero_area_faces);
   mesh.box = numbers.box;
   mesh.area = numbers.area;
@@ -280,14 +323,14 @@ std::shared_ptr<const Adjacency> read_prepared(std::span<const std::byte> bytes,
   surface.is_rough = numbers.is_rough != 0;
   surface.has_large_faces = numbers.has_large_faces != 0;
   surface.longest2 = numbers.longest2;
-  delaunay.longest2 = numbers.delaunay_longest2;
-  delaunay.flips = numbers.flips;
-  delaunay.is_oriented = numbers.delaunay_is_oriented != 0;
-  delaunay.is_crowded = numbers.delaunay_is_crowded != 0;
-  delaunay.is_even = numbers.delaunay_is_even != 0;
-  delaunay.has_flat_faces = numbers.delaunay_has_flat_faces != 0;
+  copy_numbers(numbers.delaunay, delaunay);
+  copy_numbers(numbers.refined, refined);
   if (numbers.has_delaunay != 0) {
     surface.delaunay = std::make_shared<const IntrinsicDelaunay>(std::move(delaunay));
+  }
+  if (numbers.has_refined != 0) {
+    surface.refined = std::make_shared<const RefinedSurface>(RefinedSurface::Parts{
+        IntrinsicDelaunay(std::move(refined)), first_corner, first_direction});
   }
   return std::make_shared<const Adjacency>(std::make_shared<const Mesh>(std::move(mesh)),
                                            std::move(surface));

@@ -303,7 +303,8 @@ void print_vectors() {
     for (std::size_t round = 0; round < kRounds; ++round) {
       ms.push_back(processor_ms_of([&] {
         for (TraceLanes batch : batches) {
-          trace_lanes(faces, distance, {BackTrace::Candidates::virtual_sources}, vectors, batch);
+          trace_lanes(faces, FrontDistances(distance), {BackTrace::Candidates::virtual_sources},
+                      vectors, batch);
         }
       }));
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/solve/solve_field.h"
+#include "tests/bench/errors.h"
 #include "tests/bench/prepared.h"
 #include "tests/bench/processor_time.h"
 
@@ -66,6 +67,66 @@ std::array<double, kKinds.size()> ratios(const Adjacency& adjacency, Method meth
   return middle;
 }
 
+// Of `auto` from all sources, by exact distances from the same.
+struct FieldErrors {
+  Errors errors;
+  double lowest = 0;              // part by which the worst is below
+  std::size_t elsewhere = 0;      // vertices whose source is not the nearest …
+  double farthest_elsewhere = 0;  // … and is farther by this part at the most
+};
+
+FieldErrors errors_on(const Adjacency& adjacency, Kind kind, std::mt19937& random) {
+  const std::vector<Source> sources = random_sources(adjacency, kind, random);
+  SolveScratch scratch;
+  const auto solve = [&](Method method, std::span<const Source> from) {
+    auto field = solve_field(method, {}, adjacency, from, {}, scratch, Cancel());
+    if (!field) give_up("no field");
+    return std::move(*field);
+  };
+  const Field truth = solve(Method::exact, sources);
+  const Field field = solve(Method::back_traced, sources);
+  FieldErrors found{errors_of(field.distance.values(), truth.distance.values()), 0, 0, 0};
+  for (std::size_t v = 0; v < truth.distance.size(); ++v) {
+    if (!(truth.distance[v] > 0) || truth.distance[v] == kUnreached) continue;
+    found.lowest = std::min(found.lowest, field.distance[v] / truth.distance[v] - 1);
+  }
+  // What each source says of the vertices that are told to be nearest to it, but not by `exact`.
+  for (std::uint32_t s = 0; sources.size() > 1 && s < sources.size(); ++s) {
+    std::vector<std::uint32_t> others;
+    for (std::uint32_t v = 0; v < truth.distance.size(); ++v) {
+      if (field.nearest_source[v] == s && truth.nearest_source[v] != s) others.push_back(v);
+    }
+    if (others.empty()) continue;
+    const Field own = solve(Method::exact, {&sources[s], 1});
+    for (const std::uint32_t v : others) {
+      ++found.elsewhere;
+      found.farthest_elsewhere =
+          std::max(found.farthest_elsewhere, own.distance[v] / truth.distance[v] - 1);
+    }
+  }
+  return found;
+}
+
+void print_errors(std::span<const FrontierMesh> meshes) {
+  std::printf(
+      "\nErrors of `auto`, once each.\n\n| mesh | sources | mean | 99.9th percentile | maximum | "
+      "most below | of another source: vertices | farther by "
+      "|\n|---|---|--:|--:|--:|--:|--:|--:|\n");
+  for (const FrontierMesh& mesh : meshes) {
+    if (mesh.large) continue;
+    const Prepared prepared(mesh.soup);
+    std::mt19937 random(7);
+    for (const Kind& kind : kKinds) {
+      const FieldErrors found = errors_on(prepared.adjacency(), kind, random);
+      std::printf("| %s | %zu%s | %.4f %% | %.3f %% | %.2f %% | %.2f %% | %zu | %.3f %% |\n",
+                  mesh.title.c_str(), kind.count, kind.inside ? " inside faces" : "",
+                  100 * found.errors.mean, 100 * found.errors.p999, 100 * found.errors.max,
+                  -100 * found.lowest, found.elsewhere, 100 * found.farthest_elsewhere);
+      std::fflush(stdout);
+    }
+  }
+}
+
 }  // namespace
 
 void print_sources(std::span<const FrontierMesh> meshes) {
@@ -88,6 +149,7 @@ void print_sources(std::span<const FrontierMesh> meshes) {
       std::fflush(stdout);
     }
   }
+  print_errors(meshes);
 }
 
 }  // namespace geodesic::bench

@@ -50,17 +50,55 @@ std::vector<Start> starts_on(const Triangulation& surface, const std::vector<dou
   return starts;
 }
 
+// The same distances as of one source among several: in any of a vertex's slots, beside those of
+// other sources, or alone.
+class AmongOthers {
+ public:
+  static constexpr std::uint32_t kNumber = 7;
+
+  AmongOthers(const std::vector<double>& distance, RandomMesh& random)
+      : distance_(distance.size(), kUnreached) {
+    slots_.reset(distance.size());
+    for (std::uint32_t v = 0; v < distance.size(); ++v) {
+      const std::uint32_t before = random.below(3);
+      for (std::uint32_t i = 0; i < before; ++i) keep(v, random.unit(), kNumber + 1 + i);
+      if (distance[v] < kUnreached) keep(v, distance[v], kNumber);
+      if (random.below(4) == 0) keep(v, random.unit(), kNumber - 1);
+    }
+  }
+
+  [[nodiscard]] FrontDistances distances() const { return FrontDistances(distance_, &slots_); }
+
+ private:
+  void keep(std::uint32_t vertex, double distance, std::uint32_t source) {
+    Slot last = vertex;
+    while (slots_.next[last] != kNone) last = slots_.next[last];
+    if (slots_.source[last] == kNone) {
+      slots_.source[last] = source;
+      distance_[last] = distance;
+      return;
+    }
+    (void)slots_.add(vertex, last, source);
+    distance_.push_back(distance);
+  }
+
+  std::vector<double> distance_;
+  SourceSlots slots_;
+};
+
 // Arrivals over the same sides, by lanes and one by one.
 std::size_t check_arrivals(const Triangulation& surface, const std::vector<double>& distance,
-                           const std::vector<Start>& starts) {
+                           const FrontDistances& distances, const std::vector<Start>& starts) {
   constexpr std::size_t kLanes = ArrivalLanes::kLanes;
   std::size_t compared = 0;
   for (std::size_t first = 0; first + kLanes <= starts.size(); first += kLanes) {
     std::array<Halfedge, kLanes> bases{};
     for (std::size_t i = 0; i < kLanes; ++i) bases[i] = starts[first + i].base;
+    std::array<std::uint32_t, kLanes> sources{};
+    sources.fill(distances.has_several_sources() ? AmongOthers::kNumber : 0);
     for (const Vectors vectors : vectors_here()) {
       ArrivalLanes lanes{};
-      arrive_lanes(surface.faces, distance, bases, vectors, lanes);
+      arrive_lanes(surface.faces, distances, bases, sources.data(), vectors, lanes);
       for (std::size_t i = 0; i < kLanes; ++i) {
         const FaceRecord& face = surface.faces[face_of(bases[i])];
         const std::uint32_t c = corner_of(bases[i]);
@@ -95,6 +133,46 @@ struct Counts {
   std::size_t others = 0;
 };
 
+void check_traces(const Triangulation& faces, const FrontDistances& distances,
+                  const std::vector<Start>& starts, RandomMesh& random, Counts& counts) {
+  const std::uint32_t source = distances.has_several_sources() ? AmongOthers::kNumber : 0;
+  using enum BackTrace::Candidates;
+  using enum BackTrace::Depth;
+  for (const BackTrace::Rule rule :
+       {BackTrace::Rule{paths, usual}, BackTrace::Rule{virtual_sources, usual},
+        BackTrace::Rule{paths, deep}, BackTrace::Rule{virtual_sources, deep}}) {
+    const BackTrace one(faces, distances, rule, nullptr, source);
+    for (std::size_t first = 0; first < starts.size();) {
+      const std::size_t count =
+          std::min<std::size_t>(1 + random.below(TraceLanes::kLanes), starts.size() - first);
+      for (const Vectors vectors : vectors_here()) {
+        TraceLanes lanes;
+        std::array<TraceStart, TraceLanes::kLanes> elsewhere{};
+        for (std::size_t i = 0; i < count; ++i) {
+          const Start& start = starts[first + i];
+          elsewhere[i] = start_over(faces, start);
+          if (i % 3 == 1 && norm(elsewhere[i].to_right) < kUnreached) {
+            lanes.add(elsewhere[i], kUnreached, source);
+          } else {
+            lanes.add(start.base, start.crossing, kUnreached, source);
+          }
+        }
+        const TraceLanes before = lanes;
+        trace_lanes(faces, distances, rule, vectors, lanes);
+        for (std::size_t i = 0; i < count; ++i) {
+          const Start& start = starts[first + i];
+          const double alone = before.begins_elsewhere(i)
+                                   ? one.least(elsewhere[i], kUnreached)
+                                   : one.over(start.base, start.crossing, kUnreached);
+          CHECK(lanes.best[i] == alone);
+          ++counts.compared;
+        }
+      }
+      first += count;
+    }
+  }
+}
+
 void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t source, Counts& counts) {
   Field field =
       surface.field_by(Method::exact, {Source{point_at_vertex(surface.adjacency(), source), 0}});
@@ -106,41 +184,11 @@ void check_lanes(const Surface& surface, RandomMesh& random, std::uint32_t sourc
        {surface.adjacency().triangulation(), surface.adjacency().delaunay()}) {
     const std::vector<Start> starts = starts_on(faces, field.distance.doubles(), random);
     (faces.is_oriented ? counts.oriented : counts.others) += starts.size();
-    counts.compared += check_arrivals(faces, field.distance.doubles(), starts);
-    using enum BackTrace::Candidates;
-    using enum BackTrace::Depth;
-    for (const BackTrace::Rule rule :
-         {BackTrace::Rule{paths, usual}, BackTrace::Rule{virtual_sources, usual},
-          BackTrace::Rule{paths, deep}, BackTrace::Rule{virtual_sources, deep}}) {
-      const BackTrace one(faces, field.distance.doubles(), rule);
-      for (std::size_t first = 0; first < starts.size();) {
-        const std::size_t count =
-            std::min<std::size_t>(1 + random.below(TraceLanes::kLanes), starts.size() - first);
-        for (const Vectors vectors : vectors_here()) {
-          TraceLanes lanes;
-          std::array<TraceStart, TraceLanes::kLanes> elsewhere{};
-          for (std::size_t i = 0; i < count; ++i) {
-            const Start& start = starts[first + i];
-            elsewhere[i] = start_over(faces, start);
-            if (i % 3 == 1 && norm(elsewhere[i].to_right) < kUnreached) {
-              lanes.add(elsewhere[i], kUnreached);
-            } else {
-              lanes.add(start.base, start.crossing, kUnreached);
-            }
-          }
-          const TraceLanes before = lanes;
-          trace_lanes(faces, field.distance.doubles(), rule, vectors, lanes);
-          for (std::size_t i = 0; i < count; ++i) {
-            const Start& start = starts[first + i];
-            const double alone = before.begins_elsewhere(i)
-                                     ? one.least(elsewhere[i], kUnreached)
-                                     : one.over(start.base, start.crossing, kUnreached);
-            CHECK(lanes.best[i] == alone);
-            ++counts.compared;
-          }
-        }
-        first += count;
-      }
+    const AmongOthers among(field.distance.doubles(), random);
+    for (const FrontDistances& distances :
+         {FrontDistances(field.distance.doubles()), among.distances()}) {
+      counts.compared += check_arrivals(faces, field.distance.doubles(), distances, starts);
+      check_traces(faces, distances, starts, random, counts);
     }
   }
 }

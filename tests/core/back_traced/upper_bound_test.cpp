@@ -53,7 +53,7 @@ void check_bounds(const Surface& surface, const SurfacePoint& from) {
     REQUIRE(plain[v] >= straight * (1 - kFloatRounding));
     if (upper[v] == kUnreached) continue;
     REQUIRE(upper[v] <= along_edges[v] * (1 + kFloatRounding) + of_places);
-    REQUIRE(plain[v] <= along_edges[v] * (1 + kFloatRounding));
+    REQUIRE(plain[v] <= along_edges[v] * (1 + kFloatRounding) + of_places);
   }
 }
 

@@ -1,0 +1,150 @@
+// Going over faces: round a vertex from corner to corner, or straight ahead, by laying one face
+// after another into the plane.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/base/cancel.h"
+#include "core/base/vec2.h"
+#include "core/mesh/mesh.h"
+#include "core/surface/face_record.h"
+
+namespace geodesic {
+
+// The angle of a face at one of its corners, between 0 and pi.
+[[nodiscard]] inline double corner_angle(const FaceRecord& face, std::uint32_t corner) {
+  return std::atan2(face.area2, face.dot[corner]);
+}
+
+// The halfedge of the only other face on an edge, if that goes along it the other way; or kNone.
+[[nodiscard]] inline Halfedge opposite_halfedge(std::span<const FaceRecord> faces, Halfedge h) {
+  const FaceRecord& face = faces[face_of(h)];
+  const Halfedge over = face.ring[corner_of(h)];
+  if (over == h || faces[face_of(over)].ring[corner_of(over)] != h) return kNone;
+  const std::uint32_t head = face.vertex[next_corner(corner_of(h))];
+  return faces[face_of(over)].vertex[corner_of(over)] == head ? over : kNone;
+}
+
+// The corner at the same vertex beyond the side that ends at this one; the same where faces do not
+// go on there as they do here.
+[[nodiscard]] inline std::uint32_t next_around(std::span<const FaceRecord> faces,
+                                               std::uint32_t corner) {
+  const Halfedge side = halfedge(face_of(corner), previous_corner(corner_of(corner)));
+  const Halfedge over = opposite_halfedge(faces, side);
+  return over == kNone ? corner : over;
+}
+
+// Likewise beyond the side that begins at it.
+[[nodiscard]] inline std::uint32_t previous_around(std::span<const FaceRecord> faces,
+                                                   std::uint32_t corner) {
+  const Halfedge over = opposite_halfedge(faces, corner);
+  return over == kNone ? corner : halfedge(face_of(over), next_corner(corner_of(over)));
+}
+
+// A face in the plane, counterclockwise. Side 0 is where a walk came in.
+struct UnfoldedTriangle {
+  std::uint32_t face;
+  std::array<std::uint32_t, 3> corner;
+  std::array<Vec2, 3> at;
+
+  // With corner c at the origin and the side that it begins along the x axis.
+  static UnfoldedTriangle from_corner(std::span<const FaceRecord> faces, std::uint32_t face,
+                                      std::uint32_t c) {
+    const FaceRecord& record = faces[face];
+    const double length = std::sqrt(record.length2(c));
+    return {face,
+            {c, next_corner(c), previous_corner(c)},
+            {{{0, 0}, {length, 0}, {record.dot[c] / length, record.area2 / length}}}};
+  }
+  // The face across `h`, whose side here is `side`.
+  [[nodiscard]] UnfoldedTriangle across(std::span<const FaceRecord> faces, Halfedge h,
+                                        int side) const {
+    const FaceRecord& record = faces[face_of(h)];
+    const Vec2 from = at[static_cast<std::size_t>((side + 1) % 3)];
+    const Vec2 base = at[static_cast<std::size_t>(side)] - from;
+    std::uint32_t tail = corner_of(h);
+    std::uint32_t head = next_corner(tail);
+    const std::uint32_t ends_here = corner[static_cast<std::size_t>((side + 1) % 3)];
+    if (record.vertex[tail] != faces[face].vertex[ends_here]) std::swap(tail, head);
+    const double along = record.dot[tail] / dot(base, base);
+    const double above = record.area2 / dot(base, base);
+    return {face_of(h),
+            {tail, head, previous_corner(corner_of(h))},
+            {{from, at[static_cast<std::size_t>(side)],
+              from + along * base + above * Vec2{-base.y, base.x}}}};
+  }
+  [[nodiscard]] Halfedge side(int i) const {
+    const std::uint32_t a = corner[static_cast<std::size_t>(i)];
+    const std::uint32_t b = corner[static_cast<std::size_t>((i + 1) % 3)];
+    return halfedge(face, next_corner(a) == b ? a : b);
+  }
+
+  // Whether a place lies in the face, but for rounding.
+  [[nodiscard]] bool contains(Vec2 place) const {
+    constexpr double kBeside = 1e-9;  // of its area
+    const double area2 = cross(at[1] - at[0], at[2] - at[0]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(cross(at[(i + 1) % 3] - at[i], place - at[i]) >= -kBeside * area2)) return false;
+    }
+    return true;
+  }
+  // Barycentric weights of a place, by the face's own corners; of one beside the face, those of a
+  // place near it within. Nothing of a face without area.
+  [[nodiscard]] std::optional<std::array<double, 3>> weights_at(Vec2 place) const {
+    std::array<double, 3> weights{};
+    double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec2 a = at[(i + 1) % 3];
+      weights[corner[i]] = std::max(cross(at[(i + 2) % 3] - a, place - a), 0.0);
+      sum += weights[corner[i]];
+    }
+    if (!(sum > 0)) return std::nullopt;
+    for (double& weight : weights) weight /= sum;
+    return weights;
+  }
+};
+
+// Where a walk ends: in a face, or before an edge that is not in two faces.
+struct WalkEnd {
+  UnfoldedTriangle face;
+  Halfedge blocked = kNone;
+};
+
+// Goes straight from `from`, in the first face or at its corner 0, to `to`. Nothing if it takes
+// more than `steps`, or loses its way: rounding may hide the side that it has to cross.
+[[nodiscard]] inline std::optional<WalkEnd> walk_straight(std::span<const FaceRecord> faces,
+                                                          UnfoldedTriangle face, Vec2 from, Vec2 to,
+                                                          std::size_t& steps, Poll& poll) {
+  const bool is_from_corner = from == face.at[0];
+  int first = is_from_corner ? 1 : 0;
+  int last = is_from_corner ? 1 : 2;
+  for (; steps > 0 && !poll.cancelled(); first = 1, last = 2, --steps) {
+    int out = -1;
+    for (int i = first; i <= last; ++i) {
+      const Vec2 a = face.at[static_cast<std::size_t>(i)];
+      const Vec2 b = face.at[static_cast<std::size_t>((i + 1) % 3)];
+      if (cross(b - a, to - a) >= 0) continue;
+      if (cross(to - from, a - from) <= 0 && cross(to - from, b - from) >= 0) out = i;
+    }
+    if (out < 0) {
+      if (!face.contains(to)) return std::nullopt;
+      return WalkEnd{face};
+    }
+    const Halfedge h = face.side(out);
+    const Halfedge over = faces[face_of(h)].ring[corner_of(h)];
+    if (over == h || faces[face_of(over)].ring[corner_of(over)] != h) {
+      return WalkEnd{face, face.contains(to) ? kNone : h};
+    }
+    face = face.across(faces, over, out);
+  }
+  return std::nullopt;
+}
+
+}  // namespace geodesic

@@ -1,0 +1,320 @@
+// Surfaces with vertices added where they are flat: the same surface, without needles.
+#include "core/surface/refined_surface.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "core/exact/surface.h"
+#include "core/mesh/shapes.h"
+#include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
+
+using namespace geodesic;
+using fixtures::Surface;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// What is done to a part before it is prepared.
+enum class Spoiled : std::uint8_t { not_at_all, holes, windings, fins, open, lines };
+
+constexpr std::uint32_t kSpoils = 6;
+
+// A turned part of rows of unevenly spaced vertices, with fans as ends: needles everywhere.
+TriangleSoup turned_part(std::mt19937& random, Spoiled spoiled, std::uint32_t around,
+                         std::uint32_t rows) {
+  const auto real = [&](double least, double most) {
+    return least + (most - least) * static_cast<double>(random()) / 4294967296.0;
+  };
+  std::vector<double> angles;
+  for (std::uint32_t i = 0; i < around; ++i) {
+    angles.push_back(2 * kPi * (i + real(-0.3, 0.3)) / around);
+  }
+  TriangleSoup soup;
+  double z = 0;
+  for (std::uint32_t row = 0; row < rows; ++row, z += real(0.05, 3)) {
+    const double radius = real(0.3, 1.5);
+    for (const double angle : angles) {
+      soup.positions.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+    }
+  }
+  soup.positions.push_back({0, 0, soup.positions.front().z});
+  soup.positions.push_back({0, 0, soup.positions[std::size_t{around} * rows - 1].z});
+  const std::uint32_t bottom = around * rows;
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const std::uint32_t next = (i + 1) % around;
+    soup.faces.push_back({bottom, next, i});
+    const std::uint32_t last = around * (rows - 1);
+    soup.faces.push_back({bottom + 1, last + i, last + next});
+    for (std::uint32_t row = 0; row + 1 < rows; ++row) {
+      const std::uint32_t low = row * around;
+      const std::uint32_t high = low + around;
+      soup.faces.push_back({low + i, low + next, high + next});
+      soup.faces.push_back({low + i, high + next, high + i});
+    }
+  }
+  if (spoiled == Spoiled::open) {
+    std::erase_if(soup.faces, [&](const Triangle& face) { return face[0] == bottom; });
+  }
+  if (spoiled == Spoiled::lines) {  // faces without area, on an edge from its middle
+    for (int i = 0; i < 3; ++i) {
+      const Triangle face = soup.faces[random() % soup.faces.size()];
+      const auto middle = static_cast<std::uint32_t>(soup.positions.size());
+      const Vec3 a = soup.positions[face[0]];
+      const Vec3 b = soup.positions[face[1]];
+      soup.positions.push_back({(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2});
+      soup.faces.push_back({face[0], face[1], middle});
+    }
+  }
+  if (spoiled == Spoiled::holes) {
+    for (int i = 0; i < 3; ++i) {
+      soup.faces.erase(soup.faces.begin() +
+                       static_cast<std::ptrdiff_t>(random() % soup.faces.size()));
+    }
+  }
+  if (spoiled == Spoiled::windings) {
+    for (int i = 0; i < 5; ++i) {
+      auto& face = soup.faces[random() % soup.faces.size()];
+      std::swap(face[0], face[1]);
+    }
+  }
+  if (spoiled == Spoiled::fins) {
+    for (int i = 0; i < 3; ++i) {
+      const Triangle face = soup.faces[random() % soup.faces.size()];
+      const auto tip = static_cast<std::uint32_t>(soup.positions.size());
+      soup.positions.push_back({real(-2, 2), real(-2, 2), real(-2, 2)});
+      soup.faces.push_back({face[0], face[1], tip});
+    }
+  }
+  return soup;
+}
+
+TriangleSoup turned_part(std::mt19937& random, Spoiled spoiled) {
+  const std::uint32_t around = 24 + random() % 120;
+  const std::uint32_t rows = 2 + random() % 3;
+  return turned_part(random, spoiled, around, rows);
+}
+
+double angle_sum(const Triangulation& surface, std::uint32_t v) {
+  double sum = 0;
+  for (const std::uint32_t corner : surface.corners(v)) {
+    const FaceRecord& face = surface.faces[face_of(corner)];
+    sum += std::atan2(face.area2, face.dot[corner_of(corner)]);
+  }
+  return sum;
+}
+
+bool is_on_boundary(const Triangulation& surface, std::uint32_t v) {
+  const auto corners = surface.corners(v);
+  return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t corner) {
+    const Halfedge before = halfedge(face_of(corner), previous_corner(corner_of(corner)));
+    return surface.ring(corner) == corner || surface.ring(before) == before;
+  });
+}
+
+double area_in_all(std::span<const FaceRecord> faces) {
+  double sum = 0;
+  for (const FaceRecord& face : faces) sum += face.area2 / 2;
+  return sum;
+}
+
+// Rings are cycles of halfedges between the same two vertices, which are as long in all faces.
+std::size_t check_edges(const Triangulation& surface) {
+  std::size_t edges = 0;
+  for (std::uint32_t f = 0; f < surface.faces.size(); ++f) {
+    const FaceRecord& face = surface.faces[f];
+    REQUIRE(std::set(face.vertex.begin(), face.vertex.end()).size() == 3);
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      const std::set<std::uint32_t> ends{face.vertex[c], face.vertex[next_corner(c)]};
+      Halfedge least = h;
+      int steps = 0;
+      for (Halfedge p = surface.ring(h); p != h; p = surface.ring(p)) {
+        REQUIRE(++steps < 1000);
+        const FaceRecord& other = surface.faces[face_of(p)];
+        REQUIRE(ends == std::set<std::uint32_t>{other.vertex[corner_of(p)],
+                                                other.vertex[next_corner(corner_of(p))]});
+        REQUIRE(other.length2(corner_of(p)) == doctest::Approx(face.length2(c)).epsilon(1e-9));
+        least = std::min(least, p);
+      }
+      if (least == h) ++edges;
+    }
+  }
+  return edges;
+}
+
+}  // namespace
+
+namespace {
+
+// At a vertex, inside a face or on an edge: mostly where something is done to the part. Those are
+// the last faces; and edges that are not in two faces, or between faces that are wound differently.
+SurfacePoint source_on(const Adjacency& adjacency, std::mt19937& random) {
+  std::vector<Halfedge> odd;
+  for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const Halfedge h = halfedge(f, c);
+      const Halfedge over = adjacency.ring(h);
+      if (over == h || adjacency.ring(over) != h || adjacency.tail(over) == adjacency.tail(h)) {
+        odd.push_back(h);
+      }
+    }
+  }
+  const bool is_odd = !odd.empty() && random() % 4 != 0;
+  const Halfedge h = is_odd ? odd[random() % odd.size()]
+                            : halfedge(random() % adjacency.mesh().face_count(), random() % 3);
+  std::array<double, 3> weights{};
+  for (double& weight : weights) weight = 1 + static_cast<double>(random() % 1000);
+  switch (random() % 3) {
+    case 0:
+      return point_at_vertex(adjacency, adjacency.tail(h));
+    case 1:
+      return point_on_face(adjacency, face_of(h), weights);
+    default:
+      weights[previous_corner(corner_of(h))] = 0;
+  }
+  return point_on_face(adjacency, face_of(h), weights);
+}
+
+}  // namespace
+
+TEST_CASE("ARefinedSurfaceIsTheSameSurfaceWithFlatVerticesAdded") {
+  const std::uint32_t seed = fixtures::test_seed();
+  for (std::uint32_t number = 0; number < 40; ++number) {
+    CAPTURE(number);
+    std::mt19937 random(seed + number);
+    const auto spoiled = static_cast<Spoiled>(number % kSpoils);
+    const Surface part(turned_part(random, spoiled));
+    const RefinedSurface* const refined = part.adjacency().refined();
+    if (refined == nullptr) continue;
+    const Triangulation mesh = part.adjacency().triangulation();
+    const Triangulation cut = refined->triangulation();
+    CHECK(std::abs(area_in_all(cut.faces) / area_in_all(mesh.faces) - 1) <= 1e-11);
+    const std::size_t edges = check_edges(cut);
+    const std::size_t vertices = cut.corner_begin.size() - 1;
+    const std::uint32_t of_mesh = part.mesh().vertex_count();
+    CHECK(vertices > of_mesh);
+    CHECK(cut.faces.size() <= mesh.faces.size() + 2 * (of_mesh + 33));
+    CHECK(edges - part.adjacency().report().edges ==
+          (vertices - of_mesh) + (cut.faces.size() - mesh.faces.size()));
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      CAPTURE(v);
+      if (v < of_mesh) REQUIRE(is_on_boundary(cut, v) == is_on_boundary(mesh, v));
+      if (spoiled == Spoiled::lines) continue;  // their angles are what rounding makes of them
+      const double sum = angle_sum(cut, v);
+      if (v < of_mesh) {
+        REQUIRE(std::abs(sum - angle_sum(mesh, v)) < 1e-11);
+      } else if (spoiled != Spoiled::fins) {  // where three faces meet in an edge it is 3 pi
+        REQUIRE(std::abs(sum - (is_on_boundary(cut, v) ? kPi : 2 * kPi)) < 1e-11);
+      }
+    }
+  }
+}
+
+TEST_CASE("NoNeedlesAreLeftOnRefinedParts") {
+  std::mt19937 random(fixtures::test_seed());
+  int parts = 0;
+  for (int round = 0; round < 20; ++round) {
+    const Surface part(turned_part(random, Spoiled::not_at_all));
+    if (part.adjacency().refined() == nullptr) continue;
+    ++parts;
+    const auto faces = part.adjacency().refined()->triangulation().faces;
+    const auto needles = std::count_if(faces.begin(), faces.end(), [](const FaceRecord& face) {
+      const double radius2 =
+          face.length2(0) / face.area2 * (face.length2(1) / face.area2) * face.length2(2) / 4;
+      return radius2 > 26 * face.shortest2();
+    });
+    // One that is as thin as rounding is left, and few of those whose circle no walk came to.
+    CHECK(50 * static_cast<std::size_t>(needles) <= faces.size());
+  }
+  CHECK(parts >= 15);
+}
+
+TEST_CASE("ExactDistancesOverARefinedSurfaceAreThoseOverTheMesh") {
+  const std::uint32_t seed = fixtures::test_seed();
+  int refined = 0;
+  int inside = 0;
+  int on_edges = 0;
+  for (std::uint32_t number = 0; number < 150; ++number) {
+    CAPTURE(number);
+    std::mt19937 random(seed + 1000 + number);
+    const Surface part(turned_part(random, static_cast<Spoiled>(number % kSpoils)));
+    const Adjacency& adjacency = part.adjacency();
+    if (adjacency.refined() == nullptr) continue;
+    const SurfacePoint from = source_on(adjacency, random);
+    const std::vector<Source> sources{{from, 0}};
+    const Cancel never;
+    Poll poll(never);
+    const Triangulation chosen = exact::surface_for_windows(adjacency, sources, poll);
+    if (chosen.faces.data() != adjacency.refined()->triangulation().faces.data()) continue;
+    ++refined;
+    if (!from.at_vertex()) ++inside;
+    if (edge_under(from) != kNone) ++on_edges;
+    FieldLimits limits;
+    limits.keep_details = false;
+    const auto over_refined = part.field_by(Method::exact, sources, limits).distance.values();
+    const auto over_mesh = part.field_by(Method::exact, sources, {}).distance.values();
+    const auto by_chen_han = part.field_by(Method::chen_han, sources, limits).distance.values();
+    for (std::size_t v = 0; v < over_mesh.size(); ++v) {
+      CAPTURE(v);
+      REQUIRE((over_refined[v] == kUnreached) == (over_mesh[v] == kUnreached));
+      if (over_mesh[v] == kUnreached) continue;
+      REQUIRE(over_refined[v] == doctest::Approx(over_mesh[v]).epsilon(1e-10));
+      REQUIRE(over_refined[v] == doctest::Approx(by_chen_han[v]).epsilon(1e-9));
+    }
+  }
+  CHECK(refined >= 20);
+  CHECK(inside >= 10);
+  CHECK(on_edges >= 10);
+}
+
+// Over the mesh as it is, each window crosses as many needles as there are: 35 kB a vertex.
+TEST_CASE("WindowsOnAFrustumTakeLittleMemory") {
+  std::mt19937 random(fixtures::test_seed());
+  const Surface frustum(turned_part(random, Spoiled::not_at_all, 1500, 2));
+  REQUIRE(frustum.adjacency().refined() != nullptr);
+  std::uint64_t taken = 0;
+  MemoryBudget budget([&taken](std::uint64_t bytes) -> std::optional<Error> {
+    taken += bytes;
+    return std::nullopt;
+  });
+  const Cancel counted({}, {}, &budget);
+  FieldLimits limits;
+  limits.keep_details = false;
+  SolveScratch scratch;
+  const std::vector<Source> sources{
+      {point_at_vertex(frustum.adjacency(), random() % frustum.mesh().vertex_count()), 0}};
+  REQUIRE(solve_field(Method::exact, {}, frustum.adjacency(), sources, limits, scratch, counted));
+  const std::uint64_t of_vertex = taken / frustum.mesh().vertex_count();
+  MESSAGE(of_vertex << " bytes a vertex");
+  CHECK(of_vertex < 10'000);
+}
+
+TEST_CASE("SurfacesWithoutNeedlesAreNotRefined") {
+  CHECK(Surface(shapes::icosphere(4)).adjacency().refined() == nullptr);
+  CHECK(Surface(shapes::terrain(30, 4, 1)).adjacency().refined() == nullptr);
+  // A face has nothing to be refined for, and no face even less.
+  CHECK(Surface({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}).adjacency().refined() == nullptr);
+}
+
+TEST_CASE("RefiningEndsWhenItIsCancelled") {
+  std::mt19937 random(fixtures::test_seed());
+  const Surface part(turned_part(random, Spoiled::not_at_all, 500, 2));
+  REQUIRE(part.adjacency().refined() != nullptr);
+  const Triangulation mesh = part.adjacency().triangulation();
+  const Cancel at_once([] { return true; });
+  const auto refined = RefinedSurface::build(mesh, mesh, part.mesh().positions(), at_once);
+  REQUIRE(!refined);
+  CHECK(refined.error().code == ErrorCode::cancelled);
+}
