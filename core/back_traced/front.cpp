@@ -21,6 +21,10 @@ constexpr int kMostRoundsInBucket = 256;
 // meet may be 2 to 10 % too far; with three and four, hardly any differs from eight.
 constexpr std::size_t kMostSlots = 4;
 
+// A vertex that was accepted in an earlier bucket waits again when its estimate turns out to be
+// less by this part of it. With all that is less by anything, errors are the same.
+constexpr double kLeastGainLater = 1e-4;
+
 // A round of so few vertices is soon done, and others are not told.
 constexpr std::size_t kFewTogether = 16;
 
@@ -107,8 +111,10 @@ __attribute__((always_inline)) inline void BackTracedFront::settle(FrontDomain& 
     known.crossing = crossing;
   }
   if (known.is_accepted()) {
-    // Within a bucket it may have been too early.
-    if (!(estimate < before - least_gain_) || !own.waiting.is_now(before)) return;
+    // It may have been too early: within a bucket, and where a face beside it is far larger than
+    // those that others are reached over.
+    if (!(estimate < before - least_gain_)) return;
+    if (!own.waiting.is_now(before) && !(estimate < (1 - kLeastGainLater) * before)) return;
     known = {estimate, base, crossing};
     own.waiting.push_back(slot);
     return;

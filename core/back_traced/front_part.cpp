@@ -20,6 +20,9 @@ constexpr std::size_t kMostCorners = 8;
 // estimate was of two sources, or the trace took the wrong side of something.
 constexpr double kSuspicious = 0.02;
 
+// Of so many neighbours the ways are continued; few vertices have more.
+constexpr std::size_t kMostNeighbours = 16;
+
 // At corner c, the side to the nearer of the other two corners, and the farther one: at
 // [2c + 1] where the next corner is nearer than the previous one, else at [2c].
 constexpr std::array<std::uint8_t, 6> kNearerSide{2, 0, 0, 1, 1, 2};
@@ -32,6 +35,8 @@ void trace_back(const FrontState& front, std::span<const Slot> slots, std::span<
   PartTrace trace(front, slots, best, room, poll);
   trace.trace_known();
   trace.ask_other_faces();
+  // On scans, which are large and smooth, that takes a twentieth of the time, and little is gained.
+  if (front.rule.depth == BackTrace::Depth::deep) trace.ask_neighbours();
 }
 
 void PartTrace::trace_known() {
@@ -110,6 +115,31 @@ void PartTrace::ask_other_faces() {
                       const auto [place, best] = asks[at];
                       if (straight && distance < best) trace(place, bases[at], crossing, best);
                     });
+  flush();
+}
+
+void PartTrace::ask_neighbours() {
+  for (std::uint32_t i = 0; i < part_.size(); ++i) {
+    const double before = best_[i];
+    if (!is_doubtful(part_[i], before)) continue;
+    std::array<std::uint32_t, kMostNeighbours> asked{};
+    std::size_t count = 0;
+    for (const std::uint32_t corner : surface_.corners(vertex(i))) {
+      if (poll_.cancelled()) break;
+      const FaceRecord& face = surface_.faces[face_of(corner)];
+      for (const std::uint32_t c :
+           {next_corner(corner_of(corner)), previous_corner(corner_of(corner))}) {
+        const std::uint32_t neighbour = face.vertex[c];
+        if (!(distances_.at(neighbour, source(i)) < before)) continue;
+        const auto end = asked.begin() + static_cast<std::ptrdiff_t>(count);
+        if (count == asked.size() || std::find(asked.begin(), end, neighbour) != end) continue;
+        asked[count++] = neighbour;
+      }
+    }
+    for (const std::uint32_t neighbour : std::span(asked).first(count)) {
+      trace_past_vertex(i, neighbour);
+    }
+  }
   flush();
 }
 

@@ -29,6 +29,8 @@ class PartTrace {
   // A distance above what the front expected needs a second look: every other face whose
   // ends promise a shorter way is asked.
   void ask_other_faces();
+  // If it is above that all the same: the ways to its neighbours, continued straight past them.
+  void ask_neighbours();
 
  private:
   [[nodiscard]] bool is_doubtful(Slot slot, double best) const;

@@ -91,6 +91,18 @@ class BackTrace {
   // A virtual source nearer than this part of the best path would be of two sources.
   static constexpr double kLeastOfBest = 0.9;
 
+  // Where distances grow beyond an edge, two waves may meet there: each of its ends was reached by
+  // another, and no wave came from where the circles round them meet. Then the apex beyond it is
+  // farther than straight from there, by more than this part of the way to the origin. So the
+  // virtual source is not taken. `face` lies beyond the edge, its corner `c` to the edge's right,
+  // or where it is not `forward`, to the left.
+  static constexpr double kMostFarther = 0.01;
+  [[nodiscard]] static bool has_reached_apex(const FaceRecord& face, std::uint32_t c, bool forward,
+                                             double at_apex, Vec2 right, Vec2 left, Vec2 source) {
+    const Vec2 to_apex = beyond(face, c, forward, right, left) - source;
+    return at_apex <= norm(to_apex) + kMostFarther * norm(source);
+  }
+
   // From the source of this number. What is given must outlive this object.
   BackTrace(const Triangulation& surface, const FrontDistances& distances, Rule rule,
             const CrowdedEdges* crowds = nullptr, std::uint32_t source = 0)
@@ -166,6 +178,16 @@ class BackTrace {
     return distances_.at(vertex, source_);
   }
 
+  // Where the apex of a face is, unfolded over the edge from `right` to `left`.
+  [[nodiscard]] static Vec2 beyond(const FaceRecord& face, std::uint32_t c, bool forward,
+                                   Vec2 right, Vec2 left) {
+    const double per_base2 = 1.0 / (face.dot[c] + face.dot[next_corner(c)]);
+    const double along = face.dot[forward ? c : next_corner(c)] * per_base2;
+    const double height = face.area2 * per_base2;
+    const Vec2 base = left - right;
+    return {right.x + along * base.x + height * base.y, right.y + along * base.y - height * base.x};
+  }
+
   // What stopped a trace before it had gone over as many faces as it may.
   enum class Ends : std::uint8_t { nowhere, at_border, where_distances_grow, lost };
 
@@ -238,11 +260,7 @@ class BackTrace {
       // The apex over the edge, whichever way round the face has it.
       const bool forward = face.vertex[c] == t.right_vertex;
       const double per_base2 = 1.0 / (face.dot[c] + face.dot[n]);
-      const double along = (forward ? face.dot[c] : face.dot[n]) * per_base2;
-      const double height = face.area2 * per_base2;
-      const Vec2 base = t.left - t.right;
-      const Vec2 to_apex{t.right.x + along * base.x + height * base.y,
-                         t.right.y + along * base.y - height * base.x};
+      const Vec2 to_apex = beyond(face, c, forward, t.right, t.left);
       const double apex2 = dot(to_apex, to_apex);
       spread.farthest2 = std::max(spread.farthest2, apex2);
       spread.finest = std::max(spread.finest, per_base2);
@@ -322,7 +340,15 @@ class BackTrace {
     // No wave came over the first edge: its ends were reached by two that meet there.
     if (t.faces == 0) return kUnreached;
     // Far nearer than any path back there: the two distances are of two sources.
-    return straight >= kLeastOfBest * best ? straight : kUnreached;
+    if (!(straight >= kLeastOfBest * best)) return kUnreached;
+    if (t.ends == Ends::where_distances_grow) {
+      const FaceRecord& face = surface_.faces[face_of(t.across)];
+      const std::uint32_t c = corner_of(t.across);
+      const double at_apex = distance(face.vertex[previous_corner(c)]);
+      const bool forward = face.vertex[c] == t.right_vertex;
+      if (!has_reached_apex(face, c, forward, at_apex, t.right, t.left, source)) return kUnreached;
+    }
+    return straight;
   }
 
   [[nodiscard]] bool is_unsure(const Trace& t, double straight, double best) const {

@@ -170,8 +170,9 @@ GEODESIC_LANES_INLINE void unfold(const Ahead<kWide>& ahead, TraceLaneState<kWid
 
 // The virtual sources of the edges that the traces have come to. Tells those apart that
 // are to look farther, if they may.
-template <std::size_t kWide>
-GEODESIC_LANES_INLINE void meet_circles(BackTrace::Candidates candidates, BackTrace::Reach reach,
+template <std::size_t kWide, bool kOriented, bool kSeveralSources>
+GEODESIC_LANES_INLINE void meet_circles(const FaceRecord* faces, const FrontDistances& distances,
+                                        BackTrace::Candidates candidates, BackTrace::Reach reach,
                                         TraceLaneState<kWide>& s,
                                         typename lanes::Lanes<kWide>::Flags& unsure) {
   using Lanes = lanes::Lanes<kWide>;
@@ -209,7 +210,24 @@ GEODESIC_LANES_INLINE void meet_circles(BackTrace::Candidates candidates, BackTr
              (s.best < straight + shares.most * away);
   }
   if (candidates == BackTrace::Candidates::virtual_sources) {
-    const Flags taken = meet & ~unsure & (straight < s.best);
+    Flags taken = meet & ~unsure & (straight < s.best);
+    // Some ended where distances grow.
+    if (Lanes::any(taken & ~s.alive)) [[unlikely]] {
+      for (std::size_t i = 0; i < kWide; ++i) {
+        if (taken[i] == 0 || s.alive[i] != 0) continue;
+        const auto at = static_cast<Halfedge>(s.across[i]);
+        const FaceRecord& face = faces[face_of(at)];
+        const std::uint32_t c = corner_of(at);
+        const double at_apex = distances.at<kSeveralSources>(face.vertex[previous_corner(c)],
+                                                             kSeveralSources ? s.source[i] : 0);
+        const bool forward = !kOriented && face.vertex[c] == s.right_vertex[i];
+        const Vec2 right{s.right_x[i], s.right_y[i]};
+        const Vec2 left{s.left_x[i], s.left_y[i]};
+        if (!BackTrace::has_reached_apex(face, c, forward, at_apex, right, left, {x[i], y[i]})) {
+          taken[i] = 0;
+        }
+      }
+    }
     Lanes::choose(s.best, taken, straight, s.best);
   }
 }
@@ -264,7 +282,8 @@ GEODESIC_LANES_INLINE std::uint32_t trace(const Task& task, TraceLanes& traces) 
     for (std::size_t i = 0; i < count; ++i) {
       TraceLaneState<kWide>& s = states[part_of[i]];
       typename Lanes::Flags unsure;
-      meet_circles<kWide>(rule.candidates, reach, s, unsure);
+      meet_circles<kWide, kOriented, kSeveralSources>(faces, distances, rule.candidates, reach, s,
+                                                      unsure);
       s.alive &= unsure;
       if (Lanes::any(s.alive)) part_of[unsure_parts++] = part_of[i];
     }

@@ -12,7 +12,9 @@
 #include "core/wavefront/virtual_source.h"
 #include "tests/fixtures/awkward_meshes.h"
 #include "tests/fixtures/random_meshes.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/surface.h"
+#include "tests/fixtures/test_seed.h"
 
 using namespace geodesic;
 using fixtures::RandomMesh;
@@ -220,4 +222,49 @@ TEST_CASE("LanesComputeWhatOneTraceAndOneArrivalDo") {
   // There is a way of its own for these, and one for the others.
   CHECK(counts.oriented > 1000);
   CHECK(counts.others > 1000);
+}
+
+// There the ends of an edge have distances by both, and circles round them say nothing.
+TEST_CASE("a trace is hardly below the distance where waves from two sides meet") {
+  RandomMesh random(fixtures::test_seed());
+  Counts counts;
+  double most_below = 0;
+  for (int round = 0; round < fixtures::all_or(1000, 100); ++round) {
+    constexpr std::uint32_t kSide = 24;
+    TriangleSoup soup = shapes::plane(kSide, kSide);
+    for (Vec3& p : soup.positions) p = p + Vec3{0.5 * random.unit(), 0.5 * random.unit(), 0};
+    const Surface sheet(soup);
+    // From on the sheet or beside it; the second set out later.
+    const auto draw_wave = [&] {
+      return Vec3{kSide * (1.5 * random.unit() - 0.25), kSide * (1.5 * random.unit() - 0.25), 0};
+    };
+    const Vec3 a = draw_wave();
+    const Vec3 b = draw_wave();
+    const double later = 0.5 * norm(a - b) * random.unit();
+    std::vector<double> distance;
+    for (const Vec3& p : sheet.mesh().positions()) {
+      distance.push_back(std::min(norm(p - a), norm(p - b) + later));
+    }
+    const Triangulation surface = sheet.adjacency().delaunay();
+    if (round % 50 == 0) {
+      check_traces(surface, FrontDistances(distance), starts_on(surface, distance, random), random,
+                   counts);
+    }
+    const BackTrace trace(surface, FrontDistances(distance),
+                          {BackTrace::Candidates::virtual_sources, BackTrace::Depth::deep});
+    for (std::uint32_t f = 0; f < surface.faces.size(); ++f) {
+      const FaceRecord& face = surface.faces[f];
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const double p = distance[face.vertex[c]];
+        const double q = distance[face.vertex[next_corner(c)]];
+        const double truth = distance[face.vertex[previous_corner(c)]];
+        const Arrival arrival = arrive(p, q, face.apex_over(c));
+        if (arrival.which != Fig4::a || truth < std::max(p, q)) continue;
+        const double traced = trace.over(halfedge(f, c), arrival.crossing, kUnreached);
+        most_below = std::max(most_below, (truth - traced) / truth);
+      }
+    }
+  }
+  // Twice what BackTrace::kMostFarther leaves.
+  CHECK(most_below < 0.02);
 }

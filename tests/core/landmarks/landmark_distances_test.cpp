@@ -115,7 +115,7 @@ TEST_CASE("EstimatesOnASphereAreNearTheClosedFormAndWithinTheirBounds") {
   };
   LandmarkDistances known = known_by(count, 8, distance);
   std::vector<KnownRow> rows;
-  for (std::size_t p = 1; p < count; p += 120) rows.push_back(known_row(known, p, count, distance));
+  for (std::size_t p = 1; p < count; p += 40) rows.push_back(known_row(known, p, count, distance));
   const auto errors = known.choose(rows, Cancel());
   REQUIRE(errors.has_value());
   CHECK(errors->mean < 0.01);
