@@ -28,9 +28,9 @@ constexpr double kMostRadius2 = 25;
 // are left.
 constexpr double kManyOfNeedles = 0.25;
 constexpr double kFewerCrossings = 0.75;
-// More than one face in so many that has no width, which nothing refines: windows that pass between
-// them come to more and more places.
-constexpr std::size_t kFewWithoutWidth = 100;
+// Of the faces, one in so many more may have no width, which nothing refines, than without vertices
+// added: windows that pass between such faces come to more and more places.
+constexpr std::size_t kFewWithoutWidth = 50;
 // Of the longest side, squared: products of four sides are numbers, and those of sides 1e-16 as
 // long keep their digits.
 constexpr double kLeastLongest2 = 1e-100;
@@ -83,6 +83,10 @@ bool has_no_width(const FaceRecord& face) {
 
 bool is_needle(const FaceRecord& face) {
   return !has_no_width(face) && squared_radius(face) > kMostRadius2 * face.shortest2();
+}
+
+std::size_t count_without_width(std::span<const FaceRecord> faces) {
+  return static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), has_no_width));
 }
 
 // Straight lines cross edges in proportion to their length.
@@ -339,9 +343,10 @@ Result<std::shared_ptr<const RefinedSurface>> RefinedSurface::build(const Triang
   if (!is_done) return nullptr;
   if (!(sum_of_sides(refining.faces()).of_all < kFewerCrossings * before.of_all)) return nullptr;
 
-  const auto without_width = static_cast<std::size_t>(
-      std::count_if(refining.faces().begin(), refining.faces().end(), has_no_width));
-  if (kFewWithoutWidth * without_width > mesh.faces.size()) return nullptr;
+  const std::size_t more_without_width =
+      std::max(count_without_width(refining.faces()), count_without_width(delaunay.faces)) -
+      count_without_width(delaunay.faces);
+  if (kFewWithoutWidth * more_without_width > refining.faces().size()) return nullptr;
 
   if (!poll.may_take(refining.faces().size_bytes() +
                      mesh_vertices * (sizeof(std::uint32_t) + sizeof(double)))) {

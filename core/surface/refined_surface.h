@@ -48,9 +48,9 @@ class RefinedSurface {
   };
 
   // Null where it would not be worth it: where straight lines cross not much fewer edges than on
-  // `delaunay`, where needles are left when there are twice as many vertices, where many faces have
-  // no width, and on meshes of more than kMostVertices vertices. O(n log n) on machine parts; never
-  // more than 64 steps a face. Errors: cancelled, too_much_memory.
+  // `delaunay`, where needles are left when there are twice as many vertices, where many more faces
+  // have no width, and on meshes of more than kMostVertices vertices. O(n log n) on machine parts;
+  // never more than 64 steps a face. Errors: cancelled, too_much_memory.
   [[nodiscard]] static Result<std::shared_ptr<const RefinedSurface>> build(
       const Triangulation& mesh, const Triangulation& delaunay, std::span<const Vec3> positions,
       const Cancel& cancel);
