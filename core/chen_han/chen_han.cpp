@@ -32,6 +32,11 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
     const chen_han::Queue::Next next = scratch.queue.pop();
     if (next.vertex == kNone) {
       front.spread(next.window);
+      if (front.is_overfull()) {
+        return fail(ErrorCode::too_large,
+                    "chen_han: too many windows where very many faces meet in an edge; `exact` has "
+                    "a way round that");
+      }
       continue;
     }
     // A vertex waits once for every time that its distance was lowered.

@@ -58,8 +58,9 @@ struct ChenHanScratch {
 // the windows into a face, its corners and the sources in it is exact at each of its points.
 // With no source everything is unreached.
 //
-// O(n^2 log n) for n faces without non-manifold edges; far less on scanned meshes.
-// Errors: cancelled.
+// O(n^2 log n) for n faces without non-manifold edges; far less on scanned meshes. Errors:
+// cancelled, too_much_memory; too_large where more than Triangulation::kCrowd faces meet in an edge
+// and windows become too many (SeenWindows::is_overfull).
 [[nodiscard]] Result<Field> chen_han_field(const Adjacency& adjacency,
                                            std::span<const Source> sources,
                                            const FieldLimits& limits, ChenHanScratch& scratch,

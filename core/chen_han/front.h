@@ -39,6 +39,8 @@ class Front {
 
   // Vertices that have a distance, though perhaps not the final one.
   [[nodiscard]] std::uint64_t reached() const { return reached_; }
+  // Windows became too many (SeenWindows::is_overfull).
+  [[nodiscard]] bool is_overfull() const { return see_all_ && scratch_.seen.is_overfull(); }
 
  private:
   struct Exit;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "core/base/polled_fill.h"
 #include "core/base/tolerances.h"
@@ -16,11 +18,19 @@ constexpr int kHalvings = 24;
 // face. Such an edge has more than this many before the last one.
 constexpr std::uint32_t kCrowd = 16;
 
+// Comparisons of windows where very many faces meet in an edge: about half a second for 200 faces.
+constexpr std::uint64_t kComparisons = 10'000'000;
+constexpr std::uint64_t kComparisonsOfFace = 50'000;
+
 }  // namespace
 
 void SeenWindows::reset(const Adjacency& adjacency, Poll& poll) {
   const std::size_t count = 4 * adjacency.faces().size();
   windows_.clear();
+  compared_ = 0;
+  most_compared_ = adjacency.triangulation().is_crowded
+                       ? kComparisons + kComparisonsOfFace * adjacency.faces().size()
+                       : std::numeric_limits<std::uint64_t>::max();
   polled_assign(first_, count, kNone, poll);
   constexpr std::uint64_t kNotYet = ~std::uint64_t{0};
   polled_assign(frames_, count, kNotYet, poll);
@@ -92,7 +102,7 @@ bool SeenWindows::is_no_farther(const Seen& seen, bool may_be_equal, const Windo
                       : nearer_along(seen.x, seen.y, seen.offset, window, begin, end, false, false);
 }
 
-bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) const {
+bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) {
   const double narrow = tolerance::kLeastWidth * base;
   // Rounding moves by more than kSamePlace what is a million edges away.
   const double same =
@@ -102,6 +112,7 @@ bool SeenWindows::trim(Halfedge edge, Window& window, double base, Poll& poll) c
   const bool is_crowded = first_[edge] != kNone && windows_[first_[edge]].before > kCrowd;
   for (std::uint32_t i = first_[edge]; i != kNone; i = windows_[i].next) {
     if (poll.cancelled()) return false;
+    ++compared_;
     const Seen& seen = windows_[i];
     if (i == window.seen) continue;
     const bool is_earlier = i < window.seen;
@@ -139,7 +150,7 @@ bool SeenWindows::enter(Window& window, double base, Poll& poll) {
   return true;
 }
 
-bool SeenWindows::trim_again(Window& window, double base, Poll& poll) const {
+bool SeenWindows::trim_again(Window& window, double base, Poll& poll) {
   const Frame frame = frame_of(window.into);
   if (frame.mirrored) window.mirror(base);
   if (!trim(frame.edge, window, base, poll)) return false;

@@ -29,7 +29,11 @@ class SeenWindows {
   [[nodiscard]] bool enter(Window& window, double base, Poll& poll);
 
   // Cuts it once more, by what has come since.
-  [[nodiscard]] bool trim_again(Window& window, double base, Poll& poll) const;
+  [[nodiscard]] bool trim_again(Window& window, double base, Poll& poll);
+
+  // Whether more windows were compared than on any surface but heaps of faces about the same edges:
+  // there, they may double with each face that they cross.
+  [[nodiscard]] bool is_overfull() const { return compared_ > most_compared_; }
 
  private:
   struct Seen {
@@ -54,13 +58,15 @@ class SeenWindows {
   // Whether the ways of `seen` are shorter everywhere in the window, or as long if they may be.
   [[nodiscard]] static bool is_no_farther(const Seen& seen, bool may_be_equal,
                                           const Window& window);
-  [[nodiscard]] bool trim(Halfedge edge, Window& window, double base, Poll& poll) const;
+  [[nodiscard]] bool trim(Halfedge edge, Window& window, double base, Poll& poll);
 
   // By halfedge: twice that of its edge's frame, one more if it is mirrored. Looked for in the
   // ring each time, thousands of windows over an edge of thousands of faces would take millions.
   std::vector<std::uint64_t> frames_;
   std::vector<std::uint32_t> first_;  // by halfedge
   std::vector<Seen> windows_;
+  std::uint64_t compared_ = 0;
+  std::uint64_t most_compared_ = 0;
 };
 
 }  // namespace geodesic::chen_han
