@@ -87,8 +87,10 @@ class PairSearch {
     limits.beyond_targets = longest_edge_of(adjacency, *faces);
     // A path needs windows all the way.
     if (!with_path()) limits.detail_faces = *faces;
-    // A path that goes by approximate distances looks at what is farther than the target.
-    if (is_exact(method_) || !(with_path() || longest < kUnreached)) limits.targets = targets;
+    // A path that goes by approximate distances looks at what is farther than the target; and
+    // inside a face the default's distance may be the length of such a path.
+    const bool may_follow_path = with_path() || (method_ == Method::back_traced && !to.at_vertex());
+    if (is_exact(method_) || !(may_follow_path || longest < kUnreached)) limits.targets = targets;
     limits.keep_details = with_path() || !to.at_vertex();
     const std::span<const Vec3> positions = adjacency.mesh().positions();
     const Vec3 goal = position_of(adjacency.mesh(), to);

@@ -110,7 +110,8 @@ class Refining {
  public:
   Refining(const Triangulation& mesh, std::span<const Vec3> positions, Poll& poll);
 
-  // Whether all needles are gone; not if there was no more room.
+  // Whether none waits any more; not if there was no more room. One whose circle's centre cannot be
+  // walked to stays.
   [[nodiscard]] bool refine();
   [[nodiscard]] std::span<const FaceRecord> faces() const {
     return std::span(faces_).first(face_count_);

@@ -419,6 +419,40 @@ TEST_CASE("WindowsGoNoFartherThanANearTarget") {
   }
 }
 
+// There the distance may be the length of a path, which may lead over what is farther than the
+// target: up to 94 % too long, where the field had ended.
+TEST_CASE("PairsByAutoInsideFacesAreThoseOfItsFieldWhereItGoesByWindows") {
+  const std::uint32_t seed = fixtures::test_seed();
+  std::size_t compared = 0;
+  SolveScratch scratch;
+  for (std::uint32_t number = seed; number < seed + fixtures::all_or(1200, 120); ++number) {
+    CAPTURE(number);
+    RandomMesh random(number);
+    const Surface surface(random.soup());
+    const Adjacency& adjacency = surface.adjacency();
+    const Source from{surface.at(random.vertex()), 0};
+    if (!goes_by_windows(Method::back_traced, {}, adjacency, {&from, 1})) continue;
+    const auto field =
+        solve_field(Method::back_traced, {}, adjacency, {&from, 1}, {}, scratch, Cancel());
+    REQUIRE(field);
+    const PointArrivals arrivals(adjacency, *field, nullptr);
+    for (int i = 0; i < 5; ++i) {
+      const double a = random.unit();
+      const double b = (1 - a) * random.unit();
+      const SurfacePoint to =
+          point_on_face(adjacency, random.below(adjacency.mesh().face_count()), {a, b, 1 - a - b});
+      const auto whole = distance_at_point(adjacency, *field, arrivals, to, Cancel());
+      const auto pair = pair_search(Method::back_traced, {}, adjacency, from, to, PairPath::none,
+                                    scratch, Cancel());
+      REQUIRE(whole);
+      REQUIRE(pair);
+      CHECK(pair->distance == *whole);
+      ++compared;
+    }
+  }
+  CHECK(compared > 50);
+}
+
 TEST_CASE("ASearchForAPairCanBeCancelled") {
   const Surface surface(shapes::icosphere(6));
   for (const PairMethod& by : kPairMethods) {
