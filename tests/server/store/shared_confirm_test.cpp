@@ -210,7 +210,7 @@ TEST_CASE("where no thread can be started, one confirms all that is used") {
   Result<void> confirmed;
   {
     const NoMoreThreads none;
-    REQUIRE_THROWS_AS(std::async(std::launch::async, [] {}), std::system_error);
+    REQUIRE_THROWS_AS((void)std::async(std::launch::async, [] {}), std::system_error);
     confirmed = store->confirm_used(std::chrono::seconds(0));
   }
   CHECK(confirmed);
