@@ -1,6 +1,7 @@
 #include "core/exact/field.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -35,11 +36,23 @@ std::uint64_t expected_bytes(const Adjacency& adjacency, const Triangulation& su
          (keep_windows ? of_windows : 0);
 }
 
+// Of which faces windows are kept, for the details of a field: of a machine part, of those that
+// are best for it, unless points have no places on them.
+enum class Keep : std::uint8_t { nothing, of_mesh, of_part };
+
 // Vertices have the same distances on faces that are better for it.
-Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> sources,
-                          bool keep_windows, Poll& poll) {
-  return keep_windows ? adjacency.triangulation()
-                      : exact::surface_for_windows(adjacency, sources, poll);
+Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> sources, Keep keep,
+                          Poll& poll) {
+  if (keep == Keep::of_mesh) return adjacency.triangulation();
+  return keep == Keep::of_part && adjacency.has_large_faces()
+             ? exact::surface_of_part(adjacency, sources, poll)
+             : exact::surface_for_windows(adjacency, sources, poll);
+}
+
+bool keeps_windows(Keep keep, const Adjacency& adjacency, const Triangulation& surface) {
+  if (keep != Keep::of_part) return keep == Keep::of_mesh;
+  return exact::is_refined(adjacency, surface) ||
+         (adjacency.has_large_faces() && surface.faces.data() == adjacency.faces().data());
 }
 
 // Takes the distances of vertices that the mesh has not away.
@@ -59,26 +72,25 @@ void forget_windows(ExactScratch& scratch, Poll& poll) {
 }
 
 Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
-                               std::span<const Source> sources, double tolerance, bool keep_windows,
+                               std::span<const Source> sources, double tolerance, Keep keep,
                                const FieldLimits& limits, ExactScratch& scratch,
-                               const Cancel& cancel) {
+                               const Cancel& cancel, const Cancel& at_end) {
   const bool is_whole = limits.targets.empty() && limits.max == kUnreached;
-  const bool keeps_all = keep_windows && limits.detail_faces.empty();
   Poll poll(cancel);
   forget_windows(scratch, poll);  // before anybody asks for window_bytes()
   if (poll.stopped()) return fail_stopped(cancel);
-  const Triangulation surface = surface_for(adjacency, sources, keep_windows, poll);
-  if (is_whole && !cancel.may_take(expected_bytes(adjacency, surface, keeps_all))) {
+  const Triangulation surface = surface_for(adjacency, sources, keep, poll);
+  const bool keeps = keeps_windows(keep, adjacency, surface);
+  const bool keeps_some = keep == Keep::of_mesh && !limits.detail_faces.empty();
+  if (is_whole && !cancel.may_take(expected_bytes(adjacency, surface, keeps && !keeps_some))) {
     return fail_stopped(cancel);
   }
   const std::size_t vertex_count = surface.corner_begin.size() - 1;
   Field field = unreached_field(method, sources, vertex_count);
   exact::Propagation propagation(adjacency, surface, *scratch.memory, field, limits.max, tolerance,
-                                 keep_windows, poll);
+                                 keeps, poll);
   if (poll.stopped()) return fail_stopped(cancel);
-  if (keep_windows && !limits.detail_faces.empty()) {
-    propagation.keep_windows_of(limits.detail_faces);
-  }
+  if (keeps_some) propagation.keep_windows_of(limits.detail_faces);
   for (std::uint32_t s = 0; s < sources.size(); ++s) {
     // Each may be in all faces.
     if (s > 0 && poll.ask()) return fail_stopped(cancel);
@@ -111,11 +123,16 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
   keep_vertices_of_mesh(adjacency, field);
   field.forget_beyond(std::min(farthest, limits.max));
-  if (keep_windows) {
-    field.windows = std::make_shared<const WindowTable>(propagation.window_table(poll));
-  }
-  propagation.drop_windows(poll);
   if (poll.stopped()) return fail_stopped(cancel);
+  Poll last(at_end);
+  if (keep == Keep::of_mesh) {
+    field.windows = std::make_shared<const WindowTable>(propagation.window_table(last));
+  } else if (keeps && limits.keep_details) {
+    field.part_windows = std::make_shared<const SurfaceWindows>(
+        SurfaceWindows{propagation.window_table(last), exact::is_refined(adjacency, surface)});
+  }
+  propagation.drop_windows(last);
+  if (last.stopped()) return fail_stopped(at_end);
   field.count_reached();
   return field;
 }
@@ -124,8 +141,9 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
 
 Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
                           const FieldLimits& limits, ExactScratch& scratch, const Cancel& cancel) {
-  auto field = field_by_windows(Method::exact, adjacency, sources, 0, limits.keep_details, limits,
-                                scratch, cancel);
+  const Keep keep = limits.keep_details ? Keep::of_mesh : Keep::nothing;
+  auto field =
+      field_by_windows(Method::exact, adjacency, sources, 0, keep, limits, scratch, cancel, cancel);
   return not_below_straight_lines(adjacency.mesh(), std::move(field), limits, cancel);
 }
 
@@ -133,7 +151,7 @@ Result<void> make_ready_for_windows(const Adjacency& adjacency, std::span<const 
                                     ExactScratch& scratch, const Cancel& cancel) {
   Poll poll(cancel);
   forget_windows(scratch, poll);
-  const Triangulation surface = surface_for(adjacency, sources, false, poll);
+  const Triangulation surface = surface_for(adjacency, sources, Keep::of_part, poll);
   if (!poll.stopped()) scratch.memory->shared.frames.build(adjacency, surface, poll);
   if (poll.stopped()) return fail_stopped(cancel);
   return {};
@@ -142,9 +160,18 @@ Result<void> make_ready_for_windows(const Adjacency& adjacency, std::span<const 
 Result<Field> field_within(double tolerance, const Adjacency& adjacency,
                            std::span<const Source> sources, const FieldLimits& limits,
                            ExactScratch& scratch, const Cancel& cancel) {
-  const bool keep_windows = limits.keep_details && !limits.detail_faces.empty();
-  return field_by_windows(Method::back_traced, adjacency, sources, tolerance, keep_windows, limits,
-                          scratch, cancel);
+  const bool keeps = limits.keep_details && !limits.detail_faces.empty();
+  return field_by_windows(Method::back_traced, adjacency, sources, tolerance,
+                          keeps ? Keep::of_mesh : Keep::nothing, limits, scratch, cancel, cancel);
+}
+
+Result<Field> field_with_part_windows(const Adjacency& adjacency, std::span<const Source> sources,
+                                      bool keep_details, ExactScratch& scratch,
+                                      const Cancel& counting, const Cancel& cancel) {
+  FieldLimits limits;
+  limits.keep_details = keep_details;
+  return field_by_windows(Method::back_traced, adjacency, sources, 0, Keep::of_part, limits,
+                          scratch, counting, cancel);
 }
 
 }  // namespace geodesic

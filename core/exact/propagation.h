@@ -55,7 +55,7 @@ class Propagation {
   // poll says to stop.
   //
   // Windows run over `surface`: the faces of the mesh or any others that cut it up, perhaps with
-  // more vertices, of which the field then has all. Of others no windows may be kept. It asks the
+  // more vertices, of which the field then has all. It asks the
   // poll where one step is long: at a vertex or an edge of thousands of faces. The poll's team may
   // help, where the mesh is large.
   Propagation(const Adjacency& adjacency, const Triangulation& surface, PropagationMemory& memory,
@@ -65,7 +65,7 @@ class Propagation {
   Propagation& operator=(const Propagation&) = delete;
   ~Propagation() = default;
 
-  // Only the windows of these faces of the mesh are to be kept. Before the first source.
+  // Only the windows of these faces of the surface are to be kept. Before the first source.
   void keep_windows_of(std::span<const std::uint32_t> faces);
 
   // Behind so many windows on an edge a vertex may become a source; for

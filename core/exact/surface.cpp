@@ -50,6 +50,11 @@ std::size_t count_edges(const Adjacency& adjacency, const Triangulation& surface
          (surface.faces.size() - adjacency.faces().size());
 }
 
+bool is_refined(const Adjacency& adjacency, const Triangulation& surface) {
+  return adjacency.refined() != nullptr &&
+         surface.faces.data() == adjacency.refined()->triangulation().faces.data();
+}
+
 std::vector<PlaceInFace> places_on(const Adjacency& adjacency, const Triangulation& surface,
                                    const SurfacePoint& point, Poll& poll) {
   std::vector<PlaceInFace> places;
@@ -63,13 +68,12 @@ std::vector<PlaceInFace> places_on(const Adjacency& adjacency, const Triangulati
     }
     return places;
   }
-  const RefinedSurface* const refined = adjacency.refined();
-  if (refined == nullptr || surface.faces.data() != refined->triangulation().faces.data())
-    return {};
-  for (const auto& [face, weights] :
-       refined->places_of(adjacency.triangulation(), point.face, point.bary, poll)) {
-    PlaceInFace place{face, weights, {}};
-    const FaceRecord& record = surface.faces[face];
+  if (!is_refined(adjacency, surface)) return {};
+  for (const RefinedSurface::Place& known :
+       adjacency.refined()->places_of(adjacency.triangulation(), point.face, point.bary, poll)) {
+    PlaceInFace place{known.face, known.weights, {}};
+    const std::array<double, 3>& weights = known.weights;
+    const FaceRecord& record = surface.faces[known.face];
     for (std::uint32_t c = 0; c < 3; ++c) {
       // Along the two sides that leave the corner.
       const double p = weights[next_corner(c)];
@@ -84,8 +88,13 @@ std::vector<PlaceInFace> places_on(const Adjacency& adjacency, const Triangulati
   return places;
 }
 
-Triangulation surface_for_windows(const Adjacency& adjacency, std::span<const Source> sources,
-                                  Poll& poll) {
+namespace {
+
+// `worth`: how often the crossings count on a surface where points may have no place: on the
+// Delaunay triangulation, and on a refined surface whose faces are wound differently, at some
+// vertices.
+Triangulation surface_of_fewest(const Adjacency& adjacency, std::span<const Source> sources,
+                                double worth, Poll& poll) {
   const Triangulation mesh = adjacency.triangulation();
   const Triangulation delaunay = adjacency.delaunay();
   const bool is_flipped = delaunay.faces.data() != mesh.faces.data();
@@ -98,15 +107,29 @@ Triangulation surface_for_windows(const Adjacency& adjacency, std::span<const So
   Triangulation best = mesh;
   double fewest = crossings_on_mesh(adjacency, sources, poll);
   // Fewer windows come of any other than these lines say.
-  const auto consider = [&](const Triangulation& other) {
-    const double crossings = kFewerWindows * crossings_in_any_direction(other, poll);
+  const auto consider = [&](const Triangulation& other, double factor) {
+    const double crossings = factor * kFewerWindows * crossings_in_any_direction(other, poll);
     if (!(crossings < fewest) || !has_all(other)) return;
     best = other;
     fewest = crossings;
   };
-  if (is_flipped) consider(delaunay);
-  if (adjacency.refined() != nullptr) consider(adjacency.refined()->triangulation());
+  if (is_flipped) consider(delaunay, worth);
+  if (adjacency.refined() != nullptr) {
+    consider(adjacency.refined()->triangulation(), mesh.is_oriented ? 1 : worth);
+  }
   return poll.stopped() ? mesh : best;
+}
+
+}  // namespace
+
+Triangulation surface_for_windows(const Adjacency& adjacency, std::span<const Source> sources,
+                                  Poll& poll) {
+  return surface_of_fewest(adjacency, sources, 1, poll);
+}
+
+Triangulation surface_of_part(const Adjacency& adjacency, std::span<const Source> sources,
+                              Poll& poll) {
+  return surface_of_fewest(adjacency, sources, 3, poll);
 }
 
 }  // namespace geodesic::exact

@@ -20,6 +20,9 @@ namespace geodesic::exact {
 // cut up.
 [[nodiscard]] std::size_t count_edges(const Adjacency& adjacency, const Triangulation& surface);
 
+// Whether that surface of the mesh is its refined one.
+[[nodiscard]] bool is_refined(const Adjacency& adjacency, const Triangulation& surface);
+
 // A point in a face: its barycentric weights, and how far it is from the corners.
 struct PlaceInFace {
   std::uint32_t face;
@@ -42,5 +45,10 @@ struct PlaceInFace {
 // directions to speak of. The faces of the mesh if the poll says to stop.
 [[nodiscard]] Triangulation surface_for_windows(const Adjacency& adjacency,
                                                 std::span<const Source> sources, Poll& poll);
+
+// The same for a machine part, whose windows may be kept: surfaces on which points may have no
+// places only where lines on them cross a third of the edges.
+[[nodiscard]] Triangulation surface_of_part(const Adjacency& adjacency,
+                                            std::span<const Source> sources, Poll& poll);
 
 }  // namespace geodesic::exact

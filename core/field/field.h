@@ -61,7 +61,8 @@ struct FieldLimits {
   Detour detour;
 };
 
-class WindowTable;  // window_table.h
+class WindowTable;      // window_table.h
+struct SurfaceWindows;  // window_table.h
 struct EdgePoints;  // edge_points.h
 class LineWaves;    // line_waves.h
 
@@ -92,6 +93,8 @@ struct Field {
   // there is none. Empty for a single source.
   std::vector<std::uint32_t> nearest_source;
   std::shared_ptr<const WindowTable> windows;     // of `exact` and `chen_han`, when kept
+  // Of `back_traced` that goes by windows on a machine part, when kept.
+  std::shared_ptr<const SurfaceWindows> part_windows;
   std::shared_ptr<const EdgePoints> edge_points;  // of `steiner`, when kept
   // When lines or faces are sources, too: what leaves them straight. Each vertex that is nearest by
   // that is a source of its own then, with its distance as the offset.

@@ -129,4 +129,10 @@ class WindowTable {
   LargeArray<VisibleInterval> windows_;
 };
 
+// The windows of all faces of one surface that cuts a mesh up, by those faces' halfedges.
+struct SurfaceWindows {
+  WindowTable table;
+  bool is_refined;  // of Adjacency::refined; otherwise of the mesh's own faces
+};
+
 }  // namespace geodesic

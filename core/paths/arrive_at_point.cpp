@@ -45,7 +45,8 @@ double rounded_at_end(const FaceRecord& face, std::uint32_t c, const Arrival& ar
 }  // namespace
 
 PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field, Poll* poll)
-    : adjacency_(adjacency), field_(field), poll_(poll) {
+    : adjacency_(adjacency), field_(field), poll_(poll != nullptr ? poll : &never_stopped_) {
+  if (field.part_windows) part_ways_.emplace(adjacency, field, *poll_);
   // Vertices that lines have made sources of are corners with a distance.
   const std::size_t count = field.lines ? field.lines->given() : field.sources.size();
   for (std::uint32_t s = 0; s < count; ++s) {
@@ -61,10 +62,7 @@ PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field, Pol
 std::vector<SurfacePoint> PointArrivals::all_faces_at(const SurfacePoint& point) const {
   if (field_.method != Method::back_traced || field_.windows)
     return in_all_faces(adjacency_, point);
-  if (poll_ != nullptr) return in_all_faces_at(adjacency_, point, *poll_);
-  const Cancel never;
-  Poll poll(never);
-  return in_all_faces_at(adjacency_, point, poll);
+  return in_all_faces_at(adjacency_, point, *poll_);
 }
 
 // In the order that steps of the same length are taken in.
@@ -205,13 +203,12 @@ StepBack PointArrivals::through_windows(const SurfacePoint& place) const {
   const StepBack best = straight_in_face(place, below(place));
   if (!field_.windows) return best;
   const WayThroughWindow way = shortest_way_through_windows(adjacency_, *field_.windows, place);
-  if (poll_ != nullptr) {
-    // Tells the caller, who asks after each face, of lists of any length.
-    std::size_t windows = 0;
-    for (std::uint32_t c = 0; c < 3; ++c)
-      windows += field_.windows->into(halfedge(place.face, c)).size();
-    (void)poll_->cancelled_after(windows / kWindowsAStep);
+  // Tells the caller, who asks after each face, of lists of any length.
+  std::size_t windows = 0;
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    windows += field_.windows->into(halfedge(place.face, c)).size();
   }
+  (void)poll_->cancelled_after(windows / kWindowsAStep);
   // Straight there, if that is as near: a way over a line may be as near through anything.
   if (!(way.distance < best.distance * (1 - tolerance::kSameWay))) return best;
   const FaceRecord& face = adjacency_.face(place.face);
@@ -293,8 +290,13 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
   return best;
 }
 
+std::optional<double> PointArrivals::by_part_windows(const SurfacePoint& point) const {
+  return part_ways_ ? part_ways_->distance_at(point) : std::nullopt;
+}
+
 double PointArrivals::distance_at(const SurfacePoint& point) const {
   if (point.at_vertex()) return field_.distance[point.vertex];
+  if (const auto told = by_part_windows(point)) return *told;
   double least = kUnreached;
   for (const SurfacePoint& place : all_faces_at(point)) {
     if (stopped()) return kUnreached;

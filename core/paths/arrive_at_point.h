@@ -5,11 +5,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/cancel.h"
 #include "core/field/field.h"
+#include "core/paths/part_ways.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "core/wavefront/virtual_source.h"
@@ -41,6 +43,9 @@ class PointArrivals {
   // vertex or an edge may have as many as it likes; what is answered after it says to stop
   // is of no use.
   PointArrivals(const Adjacency& adjacency, const Field& field, Poll* poll = nullptr);
+  PointArrivals(const PointArrivals&) = delete;  // it may refer to its own poll
+  PointArrivals& operator=(const PointArrivals&) = delete;
+  ~PointArrivals() = default;
 
   // The shortest way to a point that lies in `place.face`, through that face
   // only: over each side whose ends both have a distance, straight from each of
@@ -71,15 +76,17 @@ class PointArrivals {
   // windows lead through faces without width, those that are joined to it by such (line_gaps.h).
   [[nodiscard]] std::vector<SurfacePoint> all_faces_at(const SurfacePoint& point) const;
 
-  // The distance of any point: the least over those faces.
+  // The distance of any point: by windows on a machine part, or the least over those faces.
   [[nodiscard]] double distance_at(const SurfacePoint& point) const;
+  // What windows on a machine part say, if the field has kept them and the point's place is known.
+  [[nodiscard]] std::optional<double> by_part_windows(const SurfacePoint& point) const;
 
   // Whether the poll has said to stop, so that the answer is of no use; asks nobody.
-  [[nodiscard]] bool was_stopped() const { return poll_ != nullptr && poll_->stopped(); }
+  [[nodiscard]] bool was_stopped() const { return poll_->stopped(); }
 
  private:
   [[nodiscard]] int steps_to_go(const StepBack& step) const;
-  [[nodiscard]] bool stopped() const { return poll_ != nullptr && poll_->cancelled(); }
+  [[nodiscard]] bool stopped() const { return poll_->cancelled(); }
 
   struct SourcePlace {
     std::uint32_t face;
@@ -112,8 +119,11 @@ class PointArrivals {
 
   const Adjacency& adjacency_;
   const Field& field_;
+  Cancel never_;
+  Poll never_stopped_{never_};
   Poll* poll_;
   std::vector<SourcePlace> source_places_;  // ascending by face
+  std::optional<PartWays> part_ways_;
 };
 
 }  // namespace geodesic

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/paths/side_length.h"
+#include "core/paths/step_in_face.h"
 
 namespace geodesic {
 

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "core/base/tolerances.h"
-#include "core/paths/side_length.h"
+#include "core/paths/step_in_face.h"
 
 namespace geodesic {
 namespace {

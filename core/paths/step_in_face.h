@@ -9,8 +9,8 @@
 #include <cstdint>
 
 #include "core/base/tolerances.h"
+#include "core/base/vec3.h"
 #include "core/paths/arrive_at_point.h"
-#include "core/paths/side_length.h"
 #include "core/surface/adjacency.h"
 #include "core/wavefront/virtual_source.h"
 
@@ -22,6 +22,18 @@ using Weights = std::array<double, 3>;
   Weights bary{0, 0, 0};
   bary[corner] = 1;
   return bary;
+}
+
+// The squared length of the side that starts at corner c. Of a side far shorter than the others the
+// record's dot products leave only rounding; its length comes from the positions.
+[[nodiscard]] inline double side_length2(const Adjacency& adjacency, std::uint32_t f,
+                                         std::uint32_t c) {
+  const FaceRecord& face = adjacency.face(f);
+  if (!face.loses_length(c)) [[likely]]
+    return std::max(face.length2(c), 0.0);
+  const auto positions = adjacency.mesh().positions();
+  const Vec3 side = positions[face.vertex[next_corner(c)]] - positions[face.vertex[c]];
+  return dot(side, side);
 }
 
 // The squared lengths of a face's sides, from the one that starts at corner 0.

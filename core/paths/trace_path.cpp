@@ -76,6 +76,19 @@ class Tracer {
         entered_(adjacency.faces().size(), false),
         come_to_(adjacency.mesh().vertex_count(), false) {}
 
+  // As the windows on a machine part say; nothing where they do not.
+  Result<std::optional<Path>> along_part_ways(const SurfacePoint& target) {
+    const auto way = PartWays(adjacency_, field_, poll_).way_to(target);
+    if (poll_.stopped()) return fail_stopped(poll_);
+    if (!way) return std::nullopt;
+    for (const WayLeg& leg : way->legs) legs_.push_back({leg.face, leg.start, leg.end, kNone});
+    Path path = assemble(way->source);
+    // Distances of vertices are floats.
+    constexpr double kSame = 2 * tolerance::kSinglePrecision;
+    if (is_longer_than_said(field_, path, way->distance, kSame)) return std::nullopt;
+    return path;
+  }
+
   Result<std::optional<Path>> trace(const SurfacePoint& target) {
     StepBack step = first_step(target);
     // Near the source, where hardly any of the distance is left, places on the mesh are rounded
@@ -381,11 +394,26 @@ class Tracer {
   double lowest_ = kUnreached;                      // of the distances of vertices come to
 };
 
+// What has windows of the mesh's own faces is as good as a field by `exact`.
+Field as_exact(const Field& field) {
+  Field exact = field;
+  exact.method = Method::exact;
+  exact.windows = {field.part_windows, &field.part_windows->table};
+  exact.part_windows.reset();
+  return exact;
+}
+
 }  // namespace
 
 Result<std::optional<Path>> trace_path(const Adjacency& adjacency, const Field& field,
                                        const SurfacePoint& target, const Cancel& cancel) {
   if (target.at_vertex() && field.distance[target.vertex] == kUnreached) return std::nullopt;
+  if (field.part_windows) {
+    auto path = Tracer(adjacency, field, cancel).along_part_ways(target);
+    if (!path || *path) return path;
+    if (!field.part_windows->is_refined)
+      return trace_path(adjacency, as_exact(field), target, cancel);
+  }
   auto path = Tracer(adjacency, field, cancel).trace(target);
   if (!path || !*path || !field.windows) return path;
   Poll poll(cancel);

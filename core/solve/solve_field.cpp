@@ -114,8 +114,7 @@ Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
                                    std::span<const Source> sources, const FieldLimits& asked,
                                    SolveScratch::Parts& scratch, const Cancel& cancel) {
   // Of sides of any scale windows may become too many: then traces alone have to do. Counted in
-  // questions, and always of the whole field, so that the answer depends on nothing else. Windows
-  // have no bound of their rounding, so no details are kept.
+  // questions, and always of the whole field, so that the answer depends on nothing else.
   FieldLimits limits;
   limits.keep_details = false;
   const auto ready = make_ready_for_windows(adjacency, sources, scratch.exact, cancel);
@@ -130,7 +129,8 @@ Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
   };
   const Cancel bounded(
       ask, [&](double done) { cancel.report(done); }, cancel.memory());
-  auto field = field_within(0, adjacency, sources, limits, scratch.exact, bounded);
+  auto field = field_with_part_windows(adjacency, sources, asked.keep_details, scratch.exact,
+                                       bounded, cancel);
   const auto by_traces = [&] {
     return traced_field(adjacency, sources, asked, bound, scratch, cancel);
   };

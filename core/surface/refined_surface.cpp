@@ -35,41 +35,20 @@ constexpr std::size_t kFewWithoutWidth = 50;
 // long keep their digits.
 constexpr double kLeastLongest2 = 1e-100;
 constexpr double kMostLongest2 = 1e100;
-// Steps of walks, and flips, for each face: machine parts take some 20.
+// Steps of walks, and flips, for each face: machine parts take some 20, flat regions of thousands
+// of corners more (intrinsic_delaunay.cpp).
 constexpr std::size_t kMostSteps = 64;
+constexpr std::size_t kMostStepsOfFew = 110;  // for each face, as long as all are not more than
+constexpr std::size_t kMostOfFew = 4'400'000;
 // Found at once, for each face there is room for.
 constexpr std::size_t kMostNeedles = 4;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // As of a point that is given (point.h): rounding leaves so much of nothing.
 constexpr double kRoundedWeight = 1e-13;
+// Of a face's longest side, its height, if it has no width.
+constexpr double kFlat = 1e-9;
 // Of the sides of faces that a flip has made of two that are wound differently.
 constexpr std::array<double, 3> kNoDirections{kNaN, kNaN, kNaN};
-
-// Where directions at a vertex begin: at the boundary, or at its first corner.
-std::uint32_t corner_of_directions(const Triangulation& mesh, std::uint32_t v, Poll& poll) {
-  const std::uint32_t first = mesh.corners(v).front();
-  std::uint32_t corner = first;
-  while (!poll.cancelled()) {
-    const std::uint32_t before = previous_around(mesh.faces, corner);
-    if (before == corner) return corner;
-    if (before == first) break;
-    corner = before;
-  }
-  return first;
-}
-
-// Whether one goes round the vertex over all of its faces.
-bool is_one_fan(const Triangulation& mesh, std::uint32_t v, Poll& poll) {
-  if (mesh.corners(v).empty()) return false;
-  const std::uint32_t first = corner_of_directions(mesh, v, poll);
-  std::size_t count = 1;
-  for (std::uint32_t at = first; !poll.cancelled(); ++count) {
-    const std::uint32_t next = next_around(mesh.faces, at);
-    if (next == at || next == first) break;
-    at = next;
-  }
-  return count == mesh.corners(v).size();
-}
 
 // Of the circumscribed circle.
 double squared_radius(const FaceRecord& face) {
@@ -168,7 +147,8 @@ Refining::Refining(const Triangulation& mesh, std::span<const Vec3> positions, P
       poll_(poll),
       face_count_(mesh.faces.size()),
       vertex_count_(static_cast<std::uint32_t>(mesh.corner_begin.size() - 1)),
-      steps_(kMostSteps * mesh.faces.size()),
+      steps_(std::max(kMostSteps * mesh.faces.size(),
+                      std::min(kMostStepsOfFew * mesh.faces.size(), kMostOfFew))),
       lengths_(positions, most_faces(mesh), poll) {
   constexpr std::size_t kOfFace = sizeof(FaceRecord) + sizeof(SquaredSides) +
                                   sizeof(direction_[0]) + 2 * kMostNeedles * sizeof(Needle) +
@@ -385,33 +365,37 @@ Result<std::shared_ptr<const RefinedSurface>> RefinedSurface::build(const Triang
 
 namespace {
 
-// From where directions at a vertex begin to a corner there; nothing if it is in another fan.
-std::optional<double> direction_of(const Triangulation& mesh, std::uint32_t corner, Poll& poll) {
-  const std::uint32_t v = mesh.faces[face_of(corner)].vertex[corner_of(corner)];
-  const std::uint32_t first = corner_of_directions(mesh, v, poll);
-  double sum = 0;
-  for (std::uint32_t at = first; !poll.cancelled();) {
-    if (at == corner) return sum;
-    sum += corner_angle(mesh.faces[face_of(at)], corner_of(at));
-    const std::uint32_t next = next_around(mesh.faces, at);
-    if (next == at || next == first) break;
+// So far round the vertex of a surface, from its corner `first`, where directions begin.
+RefinedSurface::Heading turned_from(const Triangulation& surface, std::uint32_t first, double left,
+                                    Poll& poll) {
+  const auto faces = surface.faces;
+  const double round = sum_of_angles(surface, faces[face_of(first)].vertex[corner_of(first)], poll);
+  if (previous_around(faces, first) == first) {
+    left = std::clamp(left, 0.0, round);  // from one side of the boundary to the other
+  } else if (round > 0) {
+    left -= std::floor(left / round) * round;  // flips leave directions beyond the first round
+  }
+  std::uint32_t at = first;
+  while (!poll.cancelled()) {
+    const double angle = corner_angle(faces[face_of(at)], corner_of(at));
+    const std::uint32_t next = next_around(faces, at);
+    if (left <= angle || next == at || next == first) break;
+    left -= angle;
     at = next;
   }
-  return std::nullopt;
+  return {at, left};
 }
 
-double sum_of_angles(const Triangulation& mesh, std::uint32_t v, Poll& poll) {
-  double sum = 0;
-  for (const std::uint32_t corner : mesh.corners(v)) {
-    if (poll.cancelled()) break;
-    sum += corner_angle(mesh.faces[face_of(corner)], corner_of(corner));
-  }
-  return sum;
+UnfoldedTriangle turned_by(double angle, UnfoldedTriangle triangle) {
+  const Vec2 x{std::cos(angle), std::sin(angle)};
+  const Vec2 y{-x.y, x.x};
+  for (Vec2& at : triangle.at) at = at.x * x + at.y * y;
+  return triangle;
 }
 
 }  // namespace
 
-// From the nearest corner of the point's face, in its direction and as far.
+// From a corner of the point's face, in its direction and as far.
 std::optional<RefinedSurface::Place> RefinedSurface::place_from(
     const Triangulation& mesh, std::uint32_t corner, const std::array<double, 3>& weights,
     Poll& poll) const {
@@ -419,33 +403,23 @@ std::optional<RefinedSurface::Place> RefinedSurface::place_from(
   const std::uint32_t first = parts_.first_corner[v];
   const auto side = first == kNone ? std::nullopt : direction_of(mesh, corner, poll);
   if (!side) return std::nullopt;
-  const auto faces = triangulation().faces;
+  const Triangulation refined = triangulation();
   const UnfoldedTriangle face =
       UnfoldedTriangle::from_corner(mesh.faces, face_of(corner), corner_of(corner));
   const Vec2 point = weights[face.corner[1]] * face.at[1] + weights[face.corner[2]] * face.at[2];
-  double left = *side + std::atan2(point.y, point.x) - parts_.first_direction[v];
-  const double round = sum_of_angles(mesh, v, poll);
-  if (previous_around(faces, first) == first) {
-    left = std::clamp(left, 0.0, round);  // from one side of the boundary to the other
-  } else if (round > 0) {
-    left -= std::floor(left / round) * round;  // flips leave directions beyond the first round
-  }
-  std::uint32_t at = first;
-  for (;;) {
-    const double angle = corner_angle(faces[face_of(at)], corner_of(at));
-    const std::uint32_t next = next_around(faces, at);
-    if (left <= angle || next == at || next == first || poll.cancelled()) break;
-    left -= angle;
-    at = next;
-  }
-  const UnfoldedTriangle start = UnfoldedTriangle::from_corner(faces, face_of(at), corner_of(at));
-  const Vec2 to = norm(point) * Vec2{std::cos(left), std::sin(left)};
-  std::size_t steps = faces.size();
-  const auto end = walk_straight(faces, start, {0, 0}, to, steps, poll);
+  const double from_side = std::atan2(point.y, point.x);
+  const Heading heading =
+      turned_from(refined, first, *side + from_side - parts_.first_direction[v], poll);
+  const UnfoldedTriangle start =
+      turned_by(from_side - heading.angle,
+                UnfoldedTriangle::from_corner(refined.faces, face_of(heading.corner),
+                                              corner_of(heading.corner)));
+  std::size_t steps = refined.faces.size();
+  const auto end = walk_straight(refined.faces, start, {0, 0}, point, steps, poll);
   if (!end || end->blocked != kNone) return std::nullopt;
-  const auto weights_there = end->face.weights_at(to);
+  const auto weights_there = end->face.weights_at(point);
   if (!weights_there) return std::nullopt;
-  Place place{end->face.face, *weights_there};
+  Place place{end->face.face, *weights_there, end->face, corner_of(corner)};
   double sum = 0;
   for (double& weight : place.weights) {
     if (weight < kRoundedWeight) weight = 0;
@@ -460,8 +434,13 @@ std::vector<RefinedSurface::Place> RefinedSurface::places_of(const Triangulation
                                                              const std::array<double, 3>& weights,
                                                              Poll& poll) const {
   const Triangulation refined = triangulation();
+  // From the nearest corner; in a face without width, from the one between the others, for the way
+  // from these leads through it, and on as rounding has it.
+  const FaceRecord& record = mesh.faces[face];
+  const bool is_flat = record.area2 < kFlat * record.longest2();
   std::array<std::uint32_t, 3> corners{0, 1, 2};
   std::sort(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (is_flat) return record.dot[a] < record.dot[b];
     return std::pair(weights[a], b) > std::pair(weights[b], a);
   });
   for (const std::uint32_t c : corners) {
@@ -469,24 +448,40 @@ std::vector<RefinedSurface::Place> RefinedSurface::places_of(const Triangulation
     if (!place) continue;
     std::vector<Place> places{*place};
     if (std::count(place->weights.begin(), place->weights.end(), 0.0) > 1) return {};
-    for (std::uint32_t side = 0; side < 3; ++side) {
-      if (place->weights[previous_corner(side)] != 0) continue;
-      const Halfedge h = halfedge(place->face, side);
+    for (int i = 0; i < 3; ++i) {
+      const Halfedge h = place->laid.side(i);
+      if (place->weights[previous_corner(corner_of(h))] != 0) continue;
+      const auto corner = [&](int k) {
+        return place->laid.corner[static_cast<std::size_t>(k % 3)];
+      };
       for (Halfedge over = refined.ring(h); over != h && !poll.cancelled();
            over = refined.ring(over)) {
-        Place other{face_of(over), {}};
-        const bool is_along = refined.faces[face_of(over)].vertex[corner_of(over)] ==
-                              refined.faces[place->face].vertex[side];
-        const std::uint32_t tail = is_along ? corner_of(over) : next_corner(corner_of(over));
-        const std::uint32_t head = is_along ? next_corner(corner_of(over)) : corner_of(over);
-        other.weights[tail] = place->weights[side];
-        other.weights[head] = place->weights[next_corner(side)];
+        Place other{face_of(over), {}, place->laid.across(refined.faces, over, i), place->corner};
+        other.weights[other.laid.corner[0]] = place->weights[corner(i + 1)];
+        other.weights[other.laid.corner[1]] = place->weights[corner(i)];
         places.push_back(other);
       }
     }
     return places;
   }
   return {};
+}
+
+std::optional<RefinedSurface::Heading> RefinedSurface::on_mesh(const Triangulation& mesh,
+                                                               const Heading& heading,
+                                                               Poll& poll) const {
+  const Triangulation refined = triangulation();
+  const std::uint32_t v = refined.faces[face_of(heading.corner)].vertex[corner_of(heading.corner)];
+  const std::uint32_t first = v < parts_.first_corner.size() ? parts_.first_corner[v] : kNone;
+  if (first == kNone) return std::nullopt;
+  double direction = parts_.first_direction[v] + heading.angle;
+  for (std::uint32_t at = first; at != heading.corner && !poll.cancelled();) {
+    direction += corner_angle(refined.faces[face_of(at)], corner_of(at));
+    const std::uint32_t next = next_around(refined.faces, at);
+    if (next == at || next == first) return std::nullopt;
+    at = next;
+  }
+  return turned_from(mesh, corner_of_directions(mesh, v, poll), direction, poll);
 }
 
 std::size_t RefinedSurface::bytes() const {

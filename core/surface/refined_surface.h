@@ -28,6 +28,7 @@
 #include "core/base/vec3.h"
 #include "core/surface/intrinsic_delaunay.h"
 #include "core/surface/triangulation.h"
+#include "core/surface/walk_over_faces.h"
 
 namespace geodesic {
 
@@ -45,12 +46,21 @@ class RefinedSurface {
   struct Place {
     std::uint32_t face;
     std::array<double, 3> weights;
+    // That face in the plane of the mesh's face, which has its corner `corner` at the origin and
+    // the side that this begins along the x axis. A face beyond an edge is unfolded over it.
+    UnfoldedTriangle laid;
+    std::uint32_t corner;
+  };
+  // A direction at a vertex: the angle from the side that begins at a corner there.
+  struct Heading {
+    std::uint32_t corner;
+    double angle;
   };
 
   // Null where it would not be worth it: where straight lines cross not much fewer edges than on
   // `delaunay`, where needles are left when there are twice as many vertices, where many more faces
   // have no width, and on meshes of more than kMostVertices vertices. O(n log n) on machine parts;
-  // never more than 64 steps a face. Errors: cancelled, too_much_memory.
+  // never more than 110 steps a face. Errors: cancelled, too_much_memory.
   [[nodiscard]] static Result<std::shared_ptr<const RefinedSurface>> build(
       const Triangulation& mesh, const Triangulation& delaunay, std::span<const Vec3> positions,
       const Cancel& cancel);
@@ -78,6 +88,11 @@ class RefinedSurface {
   [[nodiscard]] std::vector<Place> places_of(const Triangulation& mesh, std::uint32_t face,
                                              const std::array<double, 3>& weights,
                                              Poll& poll) const;
+
+  // The same direction at a vertex of the mesh, over the mesh's own faces. Nothing where none is
+  // known there.
+  [[nodiscard]] std::optional<Heading> on_mesh(const Triangulation& mesh, const Heading& heading,
+                                               Poll& poll) const;
 
   [[nodiscard]] std::size_t bytes() const;
 

@@ -15,6 +15,7 @@
 #include "core/base/vec2.h"
 #include "core/mesh/mesh.h"
 #include "core/surface/face_record.h"
+#include "core/surface/triangulation.h"
 
 namespace geodesic {
 
@@ -46,6 +47,59 @@ namespace geodesic {
                                                    std::uint32_t corner) {
   const Halfedge over = opposite_halfedge(faces, corner);
   return over == kNone ? corner : halfedge(face_of(over), next_corner(corner_of(over)));
+}
+
+// Where directions at a vertex begin: at the boundary, or at its first corner.
+[[nodiscard]] inline std::uint32_t corner_of_directions(const Triangulation& surface,
+                                                        std::uint32_t v, Poll& poll) {
+  const std::uint32_t first = surface.corners(v).front();
+  std::uint32_t corner = first;
+  while (!poll.cancelled()) {
+    const std::uint32_t before = previous_around(surface.faces, corner);
+    if (before == corner) return corner;
+    if (before == first) break;
+    corner = before;
+  }
+  return first;
+}
+
+// Whether one goes round the vertex over all of its faces.
+[[nodiscard]] inline bool is_one_fan(const Triangulation& surface, std::uint32_t v, Poll& poll) {
+  if (surface.corners(v).empty()) return false;
+  const std::uint32_t first = corner_of_directions(surface, v, poll);
+  std::size_t count = 1;
+  for (std::uint32_t at = first; !poll.cancelled(); ++count) {
+    const std::uint32_t next = next_around(surface.faces, at);
+    if (next == at || next == first) break;
+    at = next;
+  }
+  return count == surface.corners(v).size();
+}
+
+// From where directions at a vertex begin to a corner there; nothing if it is in another fan.
+[[nodiscard]] inline std::optional<double> direction_of(const Triangulation& surface,
+                                                        std::uint32_t corner, Poll& poll) {
+  const std::uint32_t v = surface.faces[face_of(corner)].vertex[corner_of(corner)];
+  const std::uint32_t first = corner_of_directions(surface, v, poll);
+  double sum = 0;
+  for (std::uint32_t at = first; !poll.cancelled();) {
+    if (at == corner) return sum;
+    sum += corner_angle(surface.faces[face_of(at)], corner_of(at));
+    const std::uint32_t next = next_around(surface.faces, at);
+    if (next == at || next == first) break;
+    at = next;
+  }
+  return std::nullopt;
+}
+
+[[nodiscard]] inline double sum_of_angles(const Triangulation& surface, std::uint32_t v,
+                                          Poll& poll) {
+  double sum = 0;
+  for (const std::uint32_t corner : surface.corners(v)) {
+    if (poll.cancelled()) break;
+    sum += corner_angle(surface.faces[face_of(corner)], corner_of(corner));
+  }
+  return sum;
 }
 
 // A face in the plane, counterclockwise. Side 0 is where a walk came in.
@@ -101,8 +155,13 @@ struct UnfoldedTriangle {
     std::array<double, 3> weights{};
     double sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
+      // From the nearer end of the side, beside which the other one has too few digits.
       const Vec2 a = at[(i + 1) % 3];
-      weights[corner[i]] = std::max(cross(at[(i + 2) % 3] - a, place - a), 0.0);
+      const Vec2 b = at[(i + 2) % 3];
+      const Vec2 from_a = place - a;
+      const Vec2 from_b = place - b;
+      const Vec2 from_end = dot(from_a, from_a) < dot(from_b, from_b) ? from_a : from_b;
+      weights[corner[i]] = std::max(cross(b - a, from_end), 0.0);
       sum += weights[corner[i]];
     }
     if (!(sum > 0)) return std::nullopt;

@@ -36,7 +36,11 @@ bool is_for_points_alone(const FieldQuestion& question, Details details) {
 std::string spelt_out(const FieldQuestion& question, Details details) {
   std::string key = question.surface + "/" + proto::field_key(question.method) + "/";
   // Fields from lines have their strips besides, by any method.
-  const bool has_details = question.from.lines || traits_of(question.method.which).has_details();
+  // That of `auto` may have windows on a machine part.
+  const bool has_details =
+      question.from.lines || traits_of(question.method.which).has_details() ||
+      (question.method.which == Method::back_traced &&
+       (question.adjacency->refined() != nullptr || question.adjacency->has_large_faces()));
   if (details == Details::kept && has_details) key += "details/";
   proto::append_number(key, question.max);
   if (question.from.lines) return key + "/lines-" + question.from.key;

@@ -8,8 +8,13 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "core/paths/arrive_at_point.h"
+#include "core/solve/distance_at_point.h"
+#include "core/straighten/refine_path.h"
 #include "tests/bench/edge_dijkstra.h"
 #include "tests/bench/errors.h"
 #include "tests/bench/family_meshes.h"
@@ -191,6 +196,52 @@ TEST_CASE("PartsOfTheFamilyAreClosed") {
     CAPTURE(part.kind);
     const bench::Prepared prepared(part.soup);
     CHECK(prepared.adjacency().report().edges_boundary == 0);
+  }
+}
+
+TEST_CASE("PointsAndPathsByAutoOnPartsAreExact") {
+  std::mt19937 random(fixtures::test_seed());
+  std::vector<double> of_points;
+  std::vector<double> of_paths;
+  for (std::uint32_t i = 0; i < bench::kPartKinds; ++i) {
+    CAPTURE(i);
+    const bench::Prepared prepared(bench::part_of_family(fixtures::test_seed(), i).soup);
+    const Adjacency& adjacency = prepared.adjacency();
+    const auto draw = [&] {
+      const auto weight = [&] { return 0.001 + static_cast<double>(random()) / 4294967296.0; };
+      const auto face = static_cast<std::uint32_t>(random() % prepared.mesh().face_count());
+      return random() % 2 == 0 ? point_on_face(adjacency, face, {weight(), weight(), weight()})
+                               : point_at_vertex(adjacency, adjacency.face(face).vertex[0]);
+    };
+    const Source source{draw(), 0};
+    SolveScratch scratch;
+    const auto field = [&](Method method) {
+      return solve_field(method, {}, adjacency, {&source, 1}, {}, scratch, Cancel());
+    };
+    const auto exact = field(Method::exact);
+    const auto automatic = field(Method::back_traced);
+    REQUIRE((exact && automatic));
+    const PointArrivals exactly(adjacency, *exact);
+    const PointArrivals automatically(adjacency, *automatic);
+    for (int k = 0; k < 40; ++k) {
+      const SurfacePoint target = draw();
+      const double d = exactly.distance_at(target);
+      if (!(d > 0 && d < kInfinite)) continue;
+      const auto told = distance_at_point(adjacency, *automatic, automatically, target, Cancel());
+      const auto path = path_through(adjacency, *automatic, target, PathWork::refined, Cancel());
+      REQUIRE((told && path && *path));
+      of_points.push_back(std::abs(*told / d - 1));
+      of_paths.push_back((*path)->length / d - 1);
+    }
+  }
+  for (const auto& [what, errors] :
+       {std::pair{std::string("points"), &of_points}, std::pair{std::string("paths"), &of_paths}}) {
+    const double worst = *std::max_element(errors->begin(), errors->end());
+    const auto bad =
+        std::count_if(errors->begin(), errors->end(), [](double e) { return e > 1e-6; });
+    MESSAGE(what << ": " << bad << " of " << errors->size()
+                 << " off by more than 1e-6, the worst by " << worst);
+    CHECK(20 * static_cast<std::size_t>(bad) <= errors->size());
   }
 }
 

@@ -1,13 +1,19 @@
-// On machine parts of few large and many thin faces `auto` is as `exact`, with and without a bound.
+// On machine parts of few large and many thin faces `auto` is as `exact`, with and without a bound,
+// at vertices, inside faces and along paths.
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "core/paths/arrive_at_point.h"
+#include "core/solve/distance_at_point.h"
+#include "core/straighten/refine_path.h"
 #include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/solved.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
@@ -57,8 +63,29 @@ TriangleSoup shaft(std::mt19937& random) {
       }
       if (k >= 3 && k + 2 < 2 * tips + 1) soup.faces.push_back({corner(1), corner(k), end});
     }
+    if (first > 0) continue;
+    // The lower cap looks down.
+    for (auto face = soup.faces.begin() + 2 * around; face != soup.faces.end(); ++face) {
+      std::swap((*face)[1], (*face)[2]);
+    }
   }
   return soup;
+}
+
+SurfacePoint point_in_face(const Adjacency& adjacency, std::mt19937& random) {
+  const auto face = static_cast<std::uint32_t>(random() % adjacency.mesh().face_count());
+  const auto weight = [&] { return 0.001 + fixtures::fraction(random); };
+  return point_on_face(adjacency, face, {weight(), weight(), weight()});
+}
+
+Field with_details(const Surface& surface, Method method, Bound bound, const Source& source) {
+  SolveScratch scratch;
+  MethodOptions options;
+  options.bound = bound;
+  auto field =
+      solve_field(method, options, surface.adjacency(), {&source, 1}, {}, scratch, Cancel());
+  REQUIRE(field);
+  return std::move(*field);
 }
 
 }  // namespace
@@ -82,4 +109,50 @@ TEST_CASE("OnMachinePartsOfLargeFacesAutoIsExact") {
       CHECK(upper.distance[w] <= (1 + 2 * kFloat) * d);
     }
   }
+}
+
+TEST_CASE("OnMachinePartsPointsInFacesAndPathsByAutoAreExact") {
+  std::mt19937 random(fixtures::test_seed());
+  int targets = 0;
+  int shortest = 0;
+  for (int i = 0; i < 12; ++i) {
+    CAPTURE(i);
+    const Surface surface(shaft(random));
+    const Adjacency& adjacency = surface.adjacency();
+    const auto vertex = static_cast<std::uint32_t>(random() % surface.mesh().vertex_count());
+    const Source source{
+        i % 2 == 0 ? point_at_vertex(adjacency, vertex) : point_in_face(adjacency, random), 0};
+    const Field exact = with_details(surface, Method::exact, Bound::none, source);
+    const Field automatic = with_details(surface, Method::back_traced, Bound::none, source);
+    const Field upper = with_details(surface, Method::back_traced, Bound::upper, source);
+    const Field without = solved(surface, Method::back_traced, Bound::none, {source});
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CHECK(automatic.distance[v] == without.distance[v]);
+    }
+    const PointArrivals exactly(adjacency, exact);
+    const PointArrivals automatically(adjacency, automatic);
+    const PointArrivals from_above(adjacency, upper);
+    for (int k = 0; k < 20; ++k) {
+      CAPTURE(k);
+      const SurfacePoint target =
+          k % 4 == 0
+              ? point_at_vertex(
+                    adjacency, static_cast<std::uint32_t>(random() % surface.mesh().vertex_count()))
+              : point_in_face(adjacency, random);
+      const double d = exactly.distance_at(target);
+      const auto told = distance_at_point(adjacency, automatic, automatically, target, Cancel());
+      const auto bound = distance_at_point(adjacency, upper, from_above, target, Cancel());
+      const auto path = path_through(adjacency, automatic, target, PathWork::traced, Cancel());
+      REQUIRE((told && bound && path && *path));
+      CHECK(std::abs(*told - d) <= kFloat * d);
+      CHECK(*bound >= d * (1 - 1e-12));
+      CHECK((*path)->length >= (1 - 1e-9) * d);
+      fixtures::check_is_a_path(adjacency, **path, 4);
+      ++targets;
+      if (*bound <= (1 + 2 * kFloat) * d && (*path)->length <= (1 + kFloat) * d) ++shortest;
+    }
+  }
+  // Faces without width hide some ways.
+  MESSAGE(shortest << " of " << targets << " paths are the shortest");
+  CHECK(10 * shortest >= 9 * targets);
 }

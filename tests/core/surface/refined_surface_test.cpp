@@ -15,7 +15,12 @@
 #include <vector>
 
 #include "core/exact/surface.h"
+#include "core/field/window_table.h"
 #include "core/mesh/shapes.h"
+#include "core/paths/arrive_at_point.h"
+#include "core/paths/trace_path.h"
+#include "tests/fixtures/crumpled_surfaces.h"
+#include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
 
@@ -299,6 +304,100 @@ TEST_CASE("WindowsOnAFrustumTakeLittleMemory") {
   const std::uint64_t of_vertex = taken / frustum.mesh().vertex_count();
   MESSAGE(of_vertex << " bytes a vertex");
   CHECK(of_vertex < 10'000);
+}
+
+// How far the corner `c` of the mesh's face is, over the refined surface, where both are in a face.
+std::optional<double> to_corner(const Adjacency& adjacency, const SurfacePoint& point,
+                                std::uint32_t c, Poll& poll) {
+  const Triangulation refined = adjacency.refined()->triangulation();
+  const std::uint32_t v = adjacency.face(point.face).vertex[c];
+  for (const auto& place : exact::places_on(adjacency, refined, point, poll)) {
+    const auto& corners = refined.faces[place.face].vertex;
+    const auto at = std::find(corners.begin(), corners.end(), v);
+    if (at != corners.end()) return place.to_corner[std::size_t(at - corners.begin())];
+  }
+  return std::nullopt;
+}
+
+TEST_CASE("PlacesBesideACornerKeepTheirDigits") {
+  std::mt19937 random(fixtures::test_seed());
+  int beside = 0;
+  for (int i = 0; i < 300; ++i) {
+    CAPTURE(i);
+    const Surface part(turned_part(random, Spoiled::not_at_all));
+    const Adjacency& adjacency = part.adjacency();
+    if (adjacency.refined() == nullptr) continue;
+    const auto face = static_cast<std::uint32_t>(random() % part.mesh().face_count());
+    const auto c = static_cast<std::uint32_t>(random() % 3);
+    const double small = std::pow(10, -9 * fixtures::fraction(random));
+    std::array<double, 3> weights{};
+    for (double& weight : weights) weight = small * (0.1 + fixtures::fraction(random));
+    weights[c] = 1;
+    const SurfacePoint point = point_on_face(adjacency, face, weights);
+    const Cancel never;
+    Poll poll(never);
+    const auto over_refined = to_corner(adjacency, point, c, poll);
+    if (!over_refined) continue;
+    ++beside;
+    CHECK(*over_refined ==
+          doctest::Approx(distance_to_corner(part.mesh(), point, c)).epsilon(1e-7));
+  }
+  CHECK(beside >= 100);
+}
+
+TEST_CASE("PointsAndPathsByWindowsOfARefinedSurfaceAreExact") {
+  const std::uint32_t seed = fixtures::test_seed();
+  int parts = 0;
+  int points = 0;
+  int known = 0;
+  int followed = 0;
+  for (std::uint32_t number = 0; number < 150; ++number) {
+    CAPTURE(number);
+    std::mt19937 random(seed + 2000 + number);
+    const auto spoiled = static_cast<Spoiled>(number % kSpoils);
+    const Surface part(turned_part(random, spoiled));
+    const Adjacency& adjacency = part.adjacency();
+    const std::vector<Source> sources{{source_on(adjacency, random), 0}};
+    const Field automatic = part.field_by(Method::back_traced, sources, {});
+    if (!automatic.part_windows || !automatic.part_windows->is_refined) continue;
+    ++parts;
+    const Field exact = part.field_by(Method::exact, sources, {});
+    const Cancel never;
+    Poll poll(never);
+    const PartWays ways(adjacency, automatic, poll);
+    for (int k = 0; k < 10; ++k) {
+      CAPTURE(k);
+      const SurfacePoint target = source_on(adjacency, random);
+      const double d = PointArrivals(adjacency, exact).distance_at(target);
+      if (d == kUnreached) continue;
+      ++points;
+      const double rounding = 1e-6 * d + 1e-10;
+      const auto told = ways.distance_at(target);
+      if (told) {
+        ++known;
+        CHECK(std::abs(*told - d) <= rounding);
+      }
+      const auto way = ways.way_to(target);
+      if (!way) continue;
+      ++followed;
+      CHECK(std::abs(way->distance - d) <= rounding);
+      double length = 0;
+      for (const WayLeg& leg : way->legs) {
+        length += distance(position_of(part.mesh(), {leg.face, leg.start, kNone}),
+                           position_of(part.mesh(), {leg.face, leg.end, kNone}));
+      }
+      CHECK(std::abs(length - d) <= rounding);
+      const auto path = trace_path(adjacency, automatic, target, Cancel());
+      REQUIRE((path && *path));
+      CHECK((*path)->length <= d + rounding);
+      fixtures::check_is_a_path(adjacency, **path,
+                                norm(part.mesh().box().max - part.mesh().box().min));
+    }
+  }
+  MESSAGE(points << " points, known " << known << ", followed " << followed);
+  CHECK(parts >= 20);
+  CHECK(10 * known >= 9 * points);
+  CHECK(10 * followed >= 6 * points);  // of spoiled parts, too
 }
 
 TEST_CASE("SurfacesWithoutNeedlesAreNotRefined") {
