@@ -49,10 +49,27 @@ Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> so
              : exact::surface_for_windows(adjacency, sources, poll);
 }
 
-bool keeps_windows(Keep keep, const Adjacency& adjacency, const Triangulation& surface) {
-  if (keep != Keep::of_part) return keep == Keep::of_mesh;
+bool keeps_windows(Keep keep, bool keep_details, const Adjacency& adjacency,
+                   const Triangulation& surface) {
+  if (keep != Keep::of_part || !keep_details) return keep == Keep::of_mesh;
   return exact::is_refined(adjacency, surface) ||
          (adjacency.has_large_faces() && surface.faces.data() == adjacency.faces().data());
+}
+
+std::vector<SurfaceWindows::SourcePlace> source_places(const Adjacency& adjacency,
+                                                       const Triangulation& surface,
+                                                       std::span<const Source> sources,
+                                                       Poll& poll) {
+  std::vector<SurfaceWindows::SourcePlace> places;
+  for (std::uint32_t s = 0; s < sources.size() && !poll.cancelled(); ++s) {
+    if (sources[s].point.at_vertex()) continue;
+    for (const auto& place : exact::places_on(adjacency, surface, sources[s].point, poll)) {
+      places.push_back({place.face, s, place.weights});
+    }
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.face < b.face; });
+  return places;
 }
 
 // Takes the distances of vertices that the mesh has not away.
@@ -80,7 +97,7 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   forget_windows(scratch, poll);  // before anybody asks for window_bytes()
   if (poll.stopped()) return fail_stopped(cancel);
   const Triangulation surface = surface_for(adjacency, sources, keep, poll);
-  const bool keeps = keeps_windows(keep, adjacency, surface);
+  const bool keeps = keeps_windows(keep, limits.keep_details, adjacency, surface);
   const bool keeps_some = keep == Keep::of_mesh && !limits.detail_faces.empty();
   if (is_whole && !cancel.may_take(expected_bytes(adjacency, surface, keeps && !keeps_some))) {
     return fail_stopped(cancel);
@@ -127,9 +144,10 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   Poll last(at_end);
   if (keep == Keep::of_mesh) {
     field.windows = std::make_shared<const WindowTable>(propagation.window_table(last));
-  } else if (keeps && limits.keep_details) {
-    field.part_windows = std::make_shared<const SurfaceWindows>(
-        SurfaceWindows{propagation.window_table(last), exact::is_refined(adjacency, surface)});
+  } else if (keeps) {
+    field.kept_windows = std::make_shared<const SurfaceWindows>(
+        SurfaceWindows{propagation.window_table(last), exact::is_refined(adjacency, surface),
+                       source_places(adjacency, surface, sources, last)});
   }
   propagation.drop_windows(last);
   if (last.stopped()) return fail_stopped(at_end);
@@ -165,7 +183,7 @@ Result<Field> field_within(double tolerance, const Adjacency& adjacency,
                           keeps ? Keep::of_mesh : Keep::nothing, limits, scratch, cancel, cancel);
 }
 
-Result<Field> field_with_part_windows(const Adjacency& adjacency, std::span<const Source> sources,
+Result<Field> field_with_kept_windows(const Adjacency& adjacency, std::span<const Source> sources,
                                       bool keep_details, ExactScratch& scratch,
                                       const Cancel& counting, const Cancel& cancel) {
   FieldLimits limits;

@@ -60,7 +60,7 @@ struct ExactScratch {
                                         const FieldLimits& limits, ExactScratch& scratch,
                                         const Cancel& cancel);
 
-// Builds in the scratch what field_with_part_windows needs of the surface, so that after this
+// Builds in the scratch what field_with_kept_windows needs of the surface, so that after this
 // it asks the Cancel as often whatever the scratch was used for before: for who counts questions.
 // Errors: cancelled.
 [[nodiscard]] Result<void> make_ready_for_windows(const Adjacency& adjacency,
@@ -78,11 +78,11 @@ struct ExactScratch {
                                          std::span<const Source> sources, const FieldLimits& limits,
                                          ExactScratch& scratch, const Cancel& cancel);
 
-// The exact distances of all vertices, for `back_traced`. On machine parts it has
-// `part_windows` with `keep_details`, if they run over faces where points have places. `counting`
-// is asked until all distances are known, and as often with details as without; `cancel`, after
-// that. Errors: cancelled.
-[[nodiscard]] Result<Field> field_with_part_windows(const Adjacency& adjacency,
+// The exact distances of all vertices, for `back_traced`. On machine parts it has `kept_windows`
+// with `keep_details`, unless windows run over the Delaunay triangulation, on which points have no
+// places. `counting` is asked until all distances are known, with details somewhat less often than
+// without; `cancel`, after that. Errors: cancelled.
+[[nodiscard]] Result<Field> field_with_kept_windows(const Adjacency& adjacency,
                                                     std::span<const Source> sources,
                                                     bool keep_details, ExactScratch& scratch,
                                                     const Cancel& counting, const Cancel& cancel);

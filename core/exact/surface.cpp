@@ -73,6 +73,8 @@ std::vector<PlaceInFace> places_on(const Adjacency& adjacency, const Triangulati
        adjacency.refined()->places_of(adjacency.triangulation(), point.face, point.bary, poll)) {
     PlaceInFace place{known.face, known.weights, {}};
     const std::array<double, 3>& weights = known.weights;
+    // A source at a vertex that was added would make a pseudo-source of it.
+    if (std::count(weights.begin(), weights.end(), 0.0) > 1) return {};
     const FaceRecord& record = surface.faces[known.face];
     for (std::uint32_t c = 0; c < 3; ++c) {
       // Along the two sides that leave the corner.

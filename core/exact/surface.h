@@ -47,7 +47,7 @@ struct PlaceInFace {
                                                 std::span<const Source> sources, Poll& poll);
 
 // The same for a machine part, whose windows may be kept: surfaces on which points may have no
-// places only where lines on them cross a third of the edges.
+// places only where lines cross less than a third as many edges on them as on the mesh.
 [[nodiscard]] Triangulation surface_of_part(const Adjacency& adjacency,
                                             std::span<const Source> sources, Poll& poll);
 

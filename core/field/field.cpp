@@ -60,7 +60,7 @@ std::size_t Field::bytes() const {
   return sizeof(Field) + nearest_source.capacity() * sizeof(std::uint32_t) +
          sources.capacity() * sizeof(Source) + distance.bytes() +
          parents.capacity() * sizeof(Parents) + (windows ? windows->bytes() : 0) +
-         (part_windows ? part_windows->table.bytes() : 0) +
+         (kept_windows ? kept_windows->bytes() : 0) +
          (edge_points ? edge_points->bytes() : 0) + (lines ? lines->bytes() : 0);
 }
 

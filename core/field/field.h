@@ -40,8 +40,8 @@ struct Detour {
 struct FieldLimits {
   // Distances above this are not computed: they read kUnreached.
   double max = std::numeric_limits<double>::infinity();
-  // When not empty: stop once these vertices have their final distance. Vertices
-  // farther than all of them read kUnreached, but for `steiner`'s up to `beyond_targets`.
+  // When not empty: stop once these vertices have their final distance. Vertices farther than all
+  // of them read kUnreached, but up to `beyond_targets` by `steiner` and with `kept_windows`.
   std::span<const std::uint32_t> targets;
   // Windows, and points on edges, go on until they are final so much farther than the last of the
   // targets: a point inside a face may be farther than all of its corners, by up to the face's
@@ -63,8 +63,8 @@ struct FieldLimits {
 
 class WindowTable;      // window_table.h
 struct SurfaceWindows;  // window_table.h
-struct EdgePoints;  // edge_points.h
-class LineWaves;    // line_waves.h
+struct EdgePoints;      // edge_points.h
+class LineWaves;        // line_waves.h
 
 // The two vertices from which a vertex's distance was computed (Tang et al.
 // 2007, section 3.3). Three special forms:
@@ -92,9 +92,9 @@ struct Field {
   // Per vertex the number of the source that its distance is from, kNone where
   // there is none. Empty for a single source.
   std::vector<std::uint32_t> nearest_source;
-  std::shared_ptr<const WindowTable> windows;     // of `exact` and `chen_han`, when kept
+  std::shared_ptr<const WindowTable> windows;  // of `exact` and `chen_han`, when kept
   // Of `back_traced` that goes by windows on a machine part, when kept.
-  std::shared_ptr<const SurfaceWindows> part_windows;
+  std::shared_ptr<const SurfaceWindows> kept_windows;
   std::shared_ptr<const EdgePoints> edge_points;  // of `steiner`, when kept
   // When lines or faces are sources, too: what leaves them straight. Each vertex that is nearest by
   // that is a source of its own then, with its distance as the offset.

@@ -2,6 +2,7 @@
 // inside faces are answered from. Mitchell, Mount and Papadimitriou 1987.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -131,8 +132,19 @@ class WindowTable {
 
 // The windows of all faces of one surface that cuts a mesh up, by those faces' halfedges.
 struct SurfaceWindows {
+  // A source inside a face or on an edge, in one face of that surface.
+  struct SourcePlace {
+    std::uint32_t face;
+    std::uint32_t source;           // its number
+    std::array<double, 3> weights;  // barycentric
+  };
   WindowTable table;
-  bool is_refined;  // of Adjacency::refined; otherwise of the mesh's own faces
+  bool is_refined;                   // of Adjacency::refined; otherwise of the mesh's own faces
+  std::vector<SourcePlace> sources;  // ascending by face
+
+  [[nodiscard]] std::size_t bytes() const {
+    return sizeof(SurfaceWindows) + table.bytes() + sources.capacity() * sizeof(SourcePlace);
+  }
 };
 
 }  // namespace geodesic

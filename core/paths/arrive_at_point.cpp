@@ -46,7 +46,7 @@ double rounded_at_end(const FaceRecord& face, std::uint32_t c, const Arrival& ar
 
 PointArrivals::PointArrivals(const Adjacency& adjacency, const Field& field, Poll* poll)
     : adjacency_(adjacency), field_(field), poll_(poll != nullptr ? poll : &never_stopped_) {
-  if (field.part_windows) part_ways_.emplace(adjacency, field, *poll_);
+  if (field.kept_windows) window_paths_.emplace(adjacency, field, *poll_);
   // Vertices that lines have made sources of are corners with a distance.
   const std::size_t count = field.lines ? field.lines->given() : field.sources.size();
   for (std::uint32_t s = 0; s < count; ++s) {
@@ -290,13 +290,13 @@ StepBack PointArrivals::through_face(const SurfacePoint& place) const {
   return best;
 }
 
-std::optional<double> PointArrivals::by_part_windows(const SurfacePoint& point) const {
-  return part_ways_ ? part_ways_->distance_at(point) : std::nullopt;
+std::optional<double> PointArrivals::by_kept_windows(const SurfacePoint& point) const {
+  return window_paths_ ? window_paths_->distance_at(point) : std::nullopt;
 }
 
 double PointArrivals::distance_at(const SurfacePoint& point) const {
   if (point.at_vertex()) return field_.distance[point.vertex];
-  if (const auto told = by_part_windows(point)) return *told;
+  if (const auto told = by_kept_windows(point)) return *told;
   double least = kUnreached;
   for (const SurfacePoint& place : all_faces_at(point)) {
     if (stopped()) return kUnreached;

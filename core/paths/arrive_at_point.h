@@ -11,7 +11,7 @@
 
 #include "core/base/cancel.h"
 #include "core/field/field.h"
-#include "core/paths/part_ways.h"
+#include "core/paths/window_paths.h"
 #include "core/surface/adjacency.h"
 #include "core/surface/point.h"
 #include "core/wavefront/virtual_source.h"
@@ -79,7 +79,12 @@ class PointArrivals {
   // The distance of any point: by windows on a machine part, or the least over those faces.
   [[nodiscard]] double distance_at(const SurfacePoint& point) const;
   // What windows on a machine part say, if the field has kept them and the point's place is known.
-  [[nodiscard]] std::optional<double> by_part_windows(const SurfacePoint& point) const;
+  [[nodiscard]] std::optional<double> by_kept_windows(const SurfacePoint& point) const;
+
+  // Null where the field has kept no such windows.
+  [[nodiscard]] const WindowPaths* window_paths() const {
+    return window_paths_ ? &*window_paths_ : nullptr;
+  }
 
   // Whether the poll has said to stop, so that the answer is of no use; asks nobody.
   [[nodiscard]] bool was_stopped() const { return poll_->stopped(); }
@@ -123,7 +128,7 @@ class PointArrivals {
   Poll never_stopped_{never_};
   Poll* poll_;
   std::vector<SourcePlace> source_places_;  // ascending by face
-  std::optional<PartWays> part_ways_;
+  std::optional<WindowPaths> window_paths_;
 };
 
 }  // namespace geodesic

@@ -77,8 +77,8 @@ class Tracer {
         come_to_(adjacency.mesh().vertex_count(), false) {}
 
   // As the windows on a machine part say; nothing where they do not.
-  Result<std::optional<Path>> along_part_ways(const SurfacePoint& target) {
-    const auto way = PartWays(adjacency_, field_, poll_).way_to(target);
+  Result<std::optional<Path>> along_window_paths(const SurfacePoint& target) {
+    const auto way = arrivals_.window_paths()->way_to(target);
     if (poll_.stopped()) return fail_stopped(poll_);
     if (!way) return std::nullopt;
     for (const WayLeg& leg : way->legs) legs_.push_back({leg.face, leg.start, leg.end, kNone});
@@ -398,8 +398,8 @@ class Tracer {
 Field as_exact(const Field& field) {
   Field exact = field;
   exact.method = Method::exact;
-  exact.windows = {field.part_windows, &field.part_windows->table};
-  exact.part_windows.reset();
+  exact.windows = {field.kept_windows, &field.kept_windows->table};
+  exact.kept_windows.reset();
   return exact;
 }
 
@@ -408,10 +408,10 @@ Field as_exact(const Field& field) {
 Result<std::optional<Path>> trace_path(const Adjacency& adjacency, const Field& field,
                                        const SurfacePoint& target, const Cancel& cancel) {
   if (target.at_vertex() && field.distance[target.vertex] == kUnreached) return std::nullopt;
-  if (field.part_windows) {
-    auto path = Tracer(adjacency, field, cancel).along_part_ways(target);
+  if (field.kept_windows) {
+    auto path = Tracer(adjacency, field, cancel).along_window_paths(target);
     if (!path || *path) return path;
-    if (!field.part_windows->is_refined)
+    if (!field.kept_windows->is_refined)
       return trace_path(adjacency, as_exact(field), target, cancel);
   }
   auto path = Tracer(adjacency, field, cancel).trace(target);

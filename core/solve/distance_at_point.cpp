@@ -154,7 +154,7 @@ double not_below_straight_line(const Adjacency& adjacency, const Field& field,
 Result<double> distance_by_points(const Adjacency& adjacency, const Field& field,
                                   const PointArrivals& arrivals, const SurfacePoint& point,
                                   const std::optional<Path>* refined, const Cancel& cancel) {
-  const std::optional<double> by_windows = arrivals.by_part_windows(point);
+  const std::optional<double> by_windows = arrivals.by_kept_windows(point);
   const double told = by_windows ? *by_windows : arrivals.distance_at(point);
   if (arrivals.was_stopped()) return fail_stopped(cancel);
   if (by_windows && field.bound == Bound::none) {

@@ -94,6 +94,49 @@ constexpr std::uint64_t kQuestionsOfAny = 1000;
 constexpr std::uint64_t kQuestionsOfVertex = 4;
 constexpr std::uint64_t kMostQuestions = 60'000;
 constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
+// With windows kept for points inside faces and for paths: they take up to twenty times as much.
+constexpr std::size_t kMostBytesKept = std::size_t{128} << 20U;
+
+// Distances by windows, as long as they are not too many: counted in questions, and always of the
+// whole field, so that the answer depends on nothing else.
+class BoundedWindows {
+ public:
+  BoundedWindows(const Adjacency& adjacency, std::span<const Source> sources, ExactScratch& scratch,
+                 const Cancel& cancel)
+      : adjacency_(adjacency), sources_(sources), scratch_(scratch), cancel_(cancel) {}
+
+  // Those that are given up with windows kept may do without. What is kept took half the questions
+  // at the most, so that the same field is not given up without.
+  Result<Field> field(bool keep_details) {
+    const std::uint64_t most = std::min(
+        kQuestionsOfAny + kQuestionsOfVertex * adjacency_.mesh().vertex_count(), kMostQuestions);
+    if (keep_details) {
+      auto kept = run(true, most / 2, kMostBytesKept);
+      if (!is_given_up()) return kept;
+    }
+    return run(false, most, kMostBytes);
+  }
+  [[nodiscard]] bool is_given_up() const { return is_too_much_ && !cancel_.requested(); }
+
+ private:
+  Result<Field> run(bool keep_details, std::uint64_t most, std::size_t most_bytes) {
+    is_too_much_ = false;
+    std::uint64_t questions = 0;
+    const auto ask = [&] {
+      is_too_much_ = is_too_much_ || ++questions > most || scratch_.window_bytes() > most_bytes;
+      return is_too_much_ || cancel_.requested();
+    };
+    const Cancel bounded(
+        ask, [&](double done) { cancel_.report(done); }, cancel_.memory());
+    return field_with_kept_windows(adjacency_, sources_, keep_details, scratch_, bounded, cancel_);
+  }
+
+  const Adjacency& adjacency_;
+  std::span<const Source> sources_;
+  ExactScratch& scratch_;
+  const Cancel& cancel_;
+  bool is_too_much_ = false;
+};
 
 // Leaves what a field of these limits has of one that went everywhere, and what may come to lie
 // within them once it is rounded.
@@ -102,7 +145,8 @@ void restrict_to(const FieldLimits& limits, Field& field) {
   if (!limits.targets.empty()) {
     double last = 0;
     for (const std::uint32_t v : limits.targets) last = std::max(last, field.distance[v]);
-    farthest = std::min(farthest, last);
+    // Ways to points inside faces by windows lead over other vertices than the corners of theirs.
+    farthest = std::min(farthest, field.kept_windows ? last + limits.beyond_targets : last);
   }
   if (farthest < kUnreached) field.forget_beyond(farthest);
 }
@@ -113,28 +157,17 @@ void restrict_to(const FieldLimits& limits, Field& field) {
 Result<Field> field_across_slivers(Bound bound, const Adjacency& adjacency,
                                    std::span<const Source> sources, const FieldLimits& asked,
                                    SolveScratch::Parts& scratch, const Cancel& cancel) {
-  // Of sides of any scale windows may become too many: then traces alone have to do. Counted in
-  // questions, and always of the whole field, so that the answer depends on nothing else.
+  // Of sides of any scale windows may become too many: then traces alone have to do.
   FieldLimits limits;
   limits.keep_details = false;
   const auto ready = make_ready_for_windows(adjacency, sources, scratch.exact, cancel);
   if (!ready) return fail(ready.error());
-  const std::uint64_t most = std::min(
-      kQuestionsOfAny + kQuestionsOfVertex * adjacency.mesh().vertex_count(), kMostQuestions);
-  std::uint64_t questions = 0;
-  bool is_too_much = false;
-  const auto ask = [&] {
-    is_too_much = is_too_much || ++questions > most || scratch.exact.window_bytes() > kMostBytes;
-    return is_too_much || cancel.requested();
-  };
-  const Cancel bounded(
-      ask, [&](double done) { cancel.report(done); }, cancel.memory());
-  auto field = field_with_part_windows(adjacency, sources, asked.keep_details, scratch.exact,
-                                       bounded, cancel);
+  BoundedWindows windows(adjacency, sources, scratch.exact, cancel);
+  auto field = windows.field(asked.keep_details);
   const auto by_traces = [&] {
     return traced_field(adjacency, sources, asked, bound, scratch, cancel);
   };
-  if (!field && is_too_much && !cancel.requested()) return by_traces();
+  if (!field && windows.is_given_up()) return by_traces();
   if (field && !is_even(adjacency)) {
     field = lesser_of_both(std::move(*field), bound, adjacency, sources, limits, scratch, cancel);
   }

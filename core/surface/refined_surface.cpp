@@ -45,6 +45,8 @@ constexpr std::size_t kMostNeedles = 4;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // As of a point that is given (point.h): rounding leaves so much of nothing.
 constexpr double kRoundedWeight = 1e-13;
+// Of a face's longest side, how far rounding puts a place beside where it is, at the most.
+constexpr double kBesidePlace = 1e-9;
 // Of a face's longest side, its height, if it has no width.
 constexpr double kFlat = 1e-9;
 // Of the sides of faces that a flip has made of two that are wound differently.
@@ -365,32 +367,20 @@ Result<std::shared_ptr<const RefinedSurface>> RefinedSurface::build(const Triang
 
 namespace {
 
-// So far round the vertex of a surface, from its corner `first`, where directions begin.
-RefinedSurface::Heading turned_from(const Triangulation& surface, std::uint32_t first, double left,
-                                    Poll& poll) {
-  const auto faces = surface.faces;
-  const double round = sum_of_angles(surface, faces[face_of(first)].vertex[corner_of(first)], poll);
-  if (previous_around(faces, first) == first) {
-    left = std::clamp(left, 0.0, round);  // from one side of the boundary to the other
-  } else if (round > 0) {
-    left -= std::floor(left / round) * round;  // flips leave directions beyond the first round
+// A place at a vertex that was added, in all faces there.
+std::vector<RefinedSurface::Place> in_faces_round(const Triangulation& refined,
+                                                  const RefinedSurface::Place& at_vertex,
+                                                  Poll& poll) {
+  const auto& corners = at_vertex.laid.corner;
+  const auto corner = std::find_if(corners.begin(), corners.end(),
+                                   [&](std::uint32_t c) { return at_vertex.weights[c] != 0; });
+  std::vector<RefinedSurface::Place> places;
+  for (const auto& [face, c] : unfolded_round(refined.faces, at_vertex.laid,
+                                              static_cast<int>(corner - corners.begin()), poll)) {
+    places.push_back({face.face, {}, face, at_vertex.corner});
+    places.back().weights[c] = 1;
   }
-  std::uint32_t at = first;
-  while (!poll.cancelled()) {
-    const double angle = corner_angle(faces[face_of(at)], corner_of(at));
-    const std::uint32_t next = next_around(faces, at);
-    if (left <= angle || next == at || next == first) break;
-    left -= angle;
-    at = next;
-  }
-  return {at, left};
-}
-
-UnfoldedTriangle turned_by(double angle, UnfoldedTriangle triangle) {
-  const Vec2 x{std::cos(angle), std::sin(angle)};
-  const Vec2 y{-x.y, x.x};
-  for (Vec2& at : triangle.at) at = at.x * x + at.y * y;
-  return triangle;
+  return places;
 }
 
 }  // namespace
@@ -411,15 +401,18 @@ std::optional<RefinedSurface::Place> RefinedSurface::place_from(
   const Heading heading =
       turned_from(refined, first, *side + from_side - parts_.first_direction[v], poll);
   const UnfoldedTriangle start =
-      turned_by(from_side - heading.angle,
-                UnfoldedTriangle::from_corner(refined.faces, face_of(heading.corner),
-                                              corner_of(heading.corner)));
-  std::size_t steps = refined.faces.size();
-  const auto end = walk_straight(refined.faces, start, {0, 0}, point, steps, poll);
-  if (!end || end->blocked != kNone) return std::nullopt;
-  const auto weights_there = end->face.weights_at(point);
+      UnfoldedTriangle::from_corner(refined.faces, face_of(heading.corner),
+                                    corner_of(heading.corner))
+          .turned_by(from_side - heading.angle);
+  const UnfoldedTriangle end = walk_on_flat_faces(refined.faces, start, point, poll);
+  const auto weights_there = end.weights_at(point);
   if (!weights_there) return std::nullopt;
-  Place place{end->face.face, *weights_there, end->face, corner_of(corner)};
+  Vec2 found{0, 0};
+  for (std::size_t i = 0; i < 3; ++i) found = found + (*weights_there)[end.corner[i]] * end.at[i];
+  if (!(norm(found - point) <= kBesidePlace * std::sqrt(mesh.faces[face_of(corner)].longest2()))) {
+    return std::nullopt;
+  }
+  Place place{end.face, *weights_there, end, corner_of(corner)};
   double sum = 0;
   for (double& weight : place.weights) {
     if (weight < kRoundedWeight) weight = 0;
@@ -446,8 +439,10 @@ std::vector<RefinedSurface::Place> RefinedSurface::places_of(const Triangulation
   for (const std::uint32_t c : corners) {
     const auto place = place_from(mesh, halfedge(face, c), weights, poll);
     if (!place) continue;
+    if (std::count(place->weights.begin(), place->weights.end(), 0.0) > 1) {
+      return in_faces_round(refined, *place, poll);
+    }
     std::vector<Place> places{*place};
-    if (std::count(place->weights.begin(), place->weights.end(), 0.0) > 1) return {};
     for (int i = 0; i < 3; ++i) {
       const Halfedge h = place->laid.side(i);
       if (place->weights[previous_corner(corner_of(h))] != 0) continue;
@@ -467,9 +462,8 @@ std::vector<RefinedSurface::Place> RefinedSurface::places_of(const Triangulation
   return {};
 }
 
-std::optional<RefinedSurface::Heading> RefinedSurface::on_mesh(const Triangulation& mesh,
-                                                               const Heading& heading,
-                                                               Poll& poll) const {
+std::optional<Heading> RefinedSurface::heading_on_mesh(const Triangulation& mesh,
+                                                       const Heading& heading, Poll& poll) const {
   const Triangulation refined = triangulation();
   const std::uint32_t v = refined.faces[face_of(heading.corner)].vertex[corner_of(heading.corner)];
   const std::uint32_t first = v < parts_.first_corner.size() ? parts_.first_corner[v] : kNone;

@@ -46,15 +46,10 @@ class RefinedSurface {
   struct Place {
     std::uint32_t face;
     std::array<double, 3> weights;
-    // That face in the plane of the mesh's face, which has its corner `corner` at the origin and
-    // the side that this begins along the x axis. A face beyond an edge is unfolded over it.
+    // The refined face, unfolded into the plane of the mesh's face. There the corner `corner` of
+    // the mesh's face is the origin, and the side that starts at it is on the x axis.
     UnfoldedTriangle laid;
     std::uint32_t corner;
-  };
-  // A direction at a vertex: the angle from the side that begins at a corner there.
-  struct Heading {
-    std::uint32_t corner;
-    double angle;
   };
 
   // Null where it would not be worth it: where straight lines cross not much fewer edges than on
@@ -69,9 +64,9 @@ class RefinedSurface {
   // All that it consists of. Written to a file and read back, it is the same.
   struct Parts {
     IntrinsicDelaunay delaunay;  // of all vertices
-    // Of each vertex of the mesh a corner at it, and the direction of the side that it begins: the
-    // angle from the first side there of the mesh's own. kNone where the faces are not one fan, all
-    // wound alike.
+    // Signposts (Sharp, Soliman and Crane 2019, section 3): of each vertex of the mesh a corner at
+    // it, and the direction of the side that starts there, in radians from where the mesh's own
+    // directions at the vertex begin. kNone where the faces are not one fan, all wound alike.
     SharedArray<std::uint32_t> first_corner;
     SharedArray<double> first_direction;
   };
@@ -84,15 +79,15 @@ class RefinedSurface {
 
   // Where a point inside a face of the mesh, or on an edge, is in this triangulation: in one face,
   // or in those round an edge. Empty where that is not known: where none of the face's corners has
-  // a direction, or rounding hides the way there.
+  // directions, or rounding hides the way there.
   [[nodiscard]] std::vector<Place> places_of(const Triangulation& mesh, std::uint32_t face,
                                              const std::array<double, 3>& weights,
                                              Poll& poll) const;
 
   // The same direction at a vertex of the mesh, over the mesh's own faces. Nothing where none is
   // known there.
-  [[nodiscard]] std::optional<Heading> on_mesh(const Triangulation& mesh, const Heading& heading,
-                                               Poll& poll) const;
+  [[nodiscard]] std::optional<Heading> heading_on_mesh(const Triangulation& mesh,
+                                                       const Heading& heading, Poll& poll) const;
 
   [[nodiscard]] std::size_t bytes() const;
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/base/cancel.h"
 #include "core/base/vec2.h"
@@ -102,6 +103,34 @@ namespace geodesic {
   return sum;
 }
 
+// A direction at a vertex: the angle in radians from the side that starts at a corner there,
+// towards the inside of the face.
+struct Heading {
+  std::uint32_t corner;
+  double angle;
+};
+
+// So far round the vertex of a surface, from its corner `first`, where directions begin.
+[[nodiscard]] inline Heading turned_from(const Triangulation& surface, std::uint32_t first,
+                                         double left, Poll& poll) {
+  const auto faces = surface.faces;
+  const double round = sum_of_angles(surface, faces[face_of(first)].vertex[corner_of(first)], poll);
+  if (previous_around(faces, first) == first) {
+    left = std::clamp(left, 0.0, round);  // from one side of the boundary to the other
+  } else if (round > 0) {
+    left -= std::floor(left / round) * round;  // flips leave directions beyond the first round
+  }
+  std::uint32_t at = first;
+  while (!poll.cancelled()) {
+    const double angle = corner_angle(faces[face_of(at)], corner_of(at));
+    const std::uint32_t next = next_around(faces, at);
+    if (left <= angle || next == at || next == first) break;
+    left -= angle;
+    at = next;
+  }
+  return {at, left};
+}
+
 // A face in the plane, counterclockwise. Side 0 is where a walk came in.
 struct UnfoldedTriangle {
   std::uint32_t face;
@@ -133,6 +162,13 @@ struct UnfoldedTriangle {
             {tail, head, previous_corner(corner_of(h))},
             {{from, at[static_cast<std::size_t>(side)],
               from + along * base + above * Vec2{-base.y, base.x}}}};
+  }
+  [[nodiscard]] UnfoldedTriangle turned_by(double angle) const {
+    const Vec2 x{std::cos(angle), std::sin(angle)};
+    const Vec2 y{-x.y, x.x};
+    UnfoldedTriangle turned = *this;
+    for (Vec2& place : turned.at) place = place.x * x + place.y * y;
+    return turned;
   }
   [[nodiscard]] Halfedge side(int i) const {
     const std::uint32_t a = corner[static_cast<std::size_t>(i)];
@@ -170,6 +206,33 @@ struct UnfoldedTriangle {
   }
 };
 
+// All faces round one of a face's vertices, one unfolded after the other, each with its corner
+// there: from one side of the boundary to the other, or once round. None where an edge there has
+// three faces. On a flat surface they lie side by side.
+[[nodiscard]] inline std::vector<std::pair<UnfoldedTriangle, std::uint32_t>> unfolded_round(
+    std::span<const FaceRecord> faces, const UnfoldedTriangle& first, int vertex, Poll& poll) {
+  const auto ring = [&](Halfedge h) { return faces[face_of(h)].ring[corner_of(h)]; };
+  std::vector<std::pair<UnfoldedTriangle, std::uint32_t>> round{
+      {first, first.corner[static_cast<std::size_t>(vertex)]}};
+  for (const bool is_forward : {true, false}) {
+    UnfoldedTriangle face = first;
+    int side = is_forward ? vertex : (vertex + 2) % 3;
+    while (!poll.cancelled()) {
+      const Halfedge h = face.side(side);
+      const Halfedge over = ring(h);
+      if (over == h) break;
+      if (ring(over) != h) return {};
+      face = face.across(faces, over, side);
+      const std::uint32_t corner = face.corner[is_forward ? 1 : 0];
+      // A face may be there twice, by two corners.
+      if (face.face == first.face && corner == round.front().second) return round;
+      round.emplace_back(face, corner);
+      side = is_forward ? 1 : 2;
+    }
+  }
+  return round;
+}
+
 // Where a walk ends: in a face, or before an edge that is not in two faces.
 struct WalkEnd {
   UnfoldedTriangle face;
@@ -204,6 +267,32 @@ struct WalkEnd {
     face = face.across(faces, over, out);
   }
   return std::nullopt;
+}
+
+// Likewise from corner 0 of a face to a place that is known to be no farther than faces go on flat:
+// it always ends, in a face that has the place, but for rounding. So it asks each new corner alone
+// on which side it is, and ends by how far it has come.
+[[nodiscard]] inline UnfoldedTriangle walk_on_flat_faces(std::span<const FaceRecord> faces,
+                                                         UnfoldedTriangle face, Vec2 to,
+                                                         Poll& poll) {
+  const double length2 = dot(to, to);
+  int out = 1;
+  for (std::size_t left = faces.size(); left > 0 && !poll.cancelled(); --left) {
+    const Vec2 a = face.at[static_cast<std::size_t>(out)];
+    const Vec2 b = face.at[static_cast<std::size_t>((out + 1) % 3)];
+    const double right = -cross(to, a);
+    const double across = cross(to, b) + right;
+    const Vec2 crossing = across > 0 ? a + std::clamp(right / across, 0.0, 1.0) * (b - a) : a;
+    const Halfedge h = face.side(out);
+    const Halfedge over = faces[face_of(h)].ring[corner_of(h)];
+    if (dot(to, crossing) >= length2 || over == h ||
+        faces[face_of(over)].ring[corner_of(over)] != h) {
+      break;
+    }
+    face = face.across(faces, over, out);
+    out = cross(to, face.at[2]) > 0 ? 1 : 2;
+  }
+  return face;
 }
 
 }  // namespace geodesic

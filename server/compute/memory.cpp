@@ -100,8 +100,8 @@ std::optional<Error> JobMemory::ask(std::uint64_t bytes) {
     ++all_.refused_;
     const std::uint64_t beside = is_query_ ? found_ : 0;
     return Error{ServiceCode::too_much_memory,
-                 is_query_ ? "the query takes more memory than one may: auto takes little, and "
-                             "`tolerance` or a nearer `max` less"
+                 is_query_ ? "the query takes more memory than one may: auto without a "
+                             "`tolerance` takes little, and a nearer `max` less"
                            : "this takes more memory than all computations may have together",
                  {},
                  limit_ - beside,

@@ -156,3 +156,39 @@ TEST_CASE("OnMachinePartsPointsInFacesAndPathsByAutoAreExact") {
   MESSAGE(shortest << " of " << targets << " paths are the shortest");
   CHECK(10 * shortest >= 9 * targets);
 }
+
+// What is asked beside a point, and what a cache has kept, make no difference.
+TEST_CASE("OnMachinePartsAPointHasTheDistanceOfTheWholeField") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int i = 0; i < 12; ++i) {
+    CAPTURE(i);
+    const Surface surface(shaft(random));
+    const Adjacency& adjacency = surface.adjacency();
+    const double offset = 0.3 * fixtures::fraction(random);
+    const std::vector<Source> sources{{point_in_face(adjacency, random), 0},
+                                      {point_in_face(adjacency, random), offset}};
+    const auto field = [&](const FieldLimits& limits) {
+      SolveScratch scratch;
+      auto solved =
+          solve_field(Method::back_traced, {}, adjacency, sources, limits, scratch, Cancel());
+      REQUIRE(solved);
+      return std::move(*solved);
+    };
+    const Field whole = field({});
+    for (int k = 0; k < 10; ++k) {
+      CAPTURE(k);
+      const SurfacePoint target = point_in_face(adjacency, random);
+      const FaceRecord& face = adjacency.face(target.face);
+      FieldLimits limits;
+      limits.targets = face.vertex;
+      limits.beyond_targets = std::sqrt(face.longest2());
+      const Field limited = field(limits);
+      const PointArrivals of_whole(adjacency, whole);
+      const PointArrivals of_limited(adjacency, limited);
+      const auto wanted = distance_at_point(adjacency, whole, of_whole, target, Cancel());
+      const auto found = distance_at_point(adjacency, limited, of_limited, target, Cancel());
+      REQUIRE((wanted && found));
+      CHECK(*found == *wanted);
+    }
+  }
+}
