@@ -33,9 +33,9 @@ Result<Field> chen_han_field(const Adjacency& adjacency, std::span<const Source>
     if (next.vertex == kNone) {
       front.spread(next.window);
       if (front.is_overfull()) {
-        return fail(ErrorCode::too_large,
-                    "chen_han: too many windows where very many faces meet in an edge; `exact` has "
-                    "a way round that");
+        return fail(
+            ErrorCode::too_large,
+            "chen_han: too many windows, as in a heap of faces; `exact` has a way round that");
       }
       continue;
     }

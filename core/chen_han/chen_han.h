@@ -59,8 +59,8 @@ struct ChenHanScratch {
 // With no source everything is unreached.
 //
 // O(n^2 log n) for n faces without non-manifold edges; far less on scanned meshes. Errors:
-// cancelled, too_much_memory; too_large where more than Triangulation::kCrowd faces meet in an edge
-// and windows become too many (SeenWindows::is_overfull).
+// cancelled, too_much_memory; too_large where windows become too many, as in a heap of faces
+// (SeenWindows::is_overfull).
 [[nodiscard]] Result<Field> chen_han_field(const Adjacency& adjacency,
                                            std::span<const Source> sources,
                                            const FieldLimits& limits, ChenHanScratch& scratch,

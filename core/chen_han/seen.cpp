@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "core/base/polled_fill.h"
 #include "core/base/tolerances.h"
@@ -18,7 +17,7 @@ constexpr int kHalvings = 24;
 // face. Such an edge has more than this many before the last one.
 constexpr std::uint32_t kCrowd = 16;
 
-// Comparisons of windows where very many faces meet in an edge: about half a second for 200 faces.
+// Comparisons of windows of branched strips: about half a second for 200 faces.
 constexpr std::uint64_t kComparisons = 10'000'000;
 constexpr std::uint64_t kComparisonsOfFace = 50'000;
 
@@ -28,9 +27,7 @@ void SeenWindows::reset(const Adjacency& adjacency, Poll& poll) {
   const std::size_t count = 4 * adjacency.faces().size();
   windows_.clear();
   compared_ = 0;
-  most_compared_ = adjacency.triangulation().is_crowded
-                       ? kComparisons + kComparisonsOfFace * adjacency.faces().size()
-                       : std::numeric_limits<std::uint64_t>::max();
+  most_compared_ = kComparisons + kComparisonsOfFace * adjacency.faces().size();
   polled_assign(first_, count, kNone, poll);
   constexpr std::uint64_t kNotYet = ~std::uint64_t{0};
   polled_assign(frames_, count, kNotYet, poll);
