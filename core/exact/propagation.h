@@ -55,9 +55,8 @@ class Propagation {
   // poll says to stop.
   //
   // Windows run over `surface`: the faces of the mesh or any others that cut it up, perhaps with
-  // more vertices, of which the field then has all. It asks the
-  // poll where one step is long: at a vertex or an edge of thousands of faces. The poll's team may
-  // help, where the mesh is large.
+  // more vertices, of which the field then has all. It asks the poll where one step is long: at a
+  // vertex or an edge of thousands of faces. The poll's team may help, where the mesh is large.
   Propagation(const Adjacency& adjacency, const Triangulation& surface, PropagationMemory& memory,
               Field& field, double max, double tolerance, bool keep_windows, Poll& poll);
   // Its domains refer to it.

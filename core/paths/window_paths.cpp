@@ -236,16 +236,11 @@ std::optional<std::uint32_t> WindowPaths::vertex_on(const Line& line,
     const bool is_on_line = std::abs(line.signed_offset(face.at[i])) <= line.tolerance &&
                             along <= line.length + line.tolerance;
     if (!is_on_line || !(along < least)) continue;
-    if (v == line.piece.vertex && std::abs(along - line.length) <= line.tolerance) {
-      least = along;
-      nearest = face.corner[i];
-      continue;
-    }
+    const bool is_end = v == line.piece.vertex && std::abs(along - line.length) <= line.tolerance;
     const double rounding = kSameFloat * line.piece.distance + line.tolerance;
-    if (!(along > line.tolerance) ||
-        !(std::abs(field_.distance[v] - (line.piece.distance - along)) <= rounding)) {
-      continue;
-    }
+    const bool is_passed = along > line.tolerance &&
+                           std::abs(field_.distance[v] - (line.piece.distance - along)) <= rounding;
+    if (!is_end && !is_passed) continue;
     least = along;
     nearest = face.corner[i];
   }
@@ -291,8 +286,9 @@ std::optional<WindowPaths::Stop> WindowPaths::walk(UnfoldedTriangle face, Vec2 f
                                                    std::vector<WayLeg>& legs) const {
   const Line line(from, piece, extent_);
   int out = from == face.at[0] ? 1 : line.exit_side(face);
-  // A shortest path crosses a face once.
-  for (std::size_t left = mesh_.faces.size(); left > 0 && !poll_.cancelled(); --left) {
+  // A shortest path crosses a face once: so all pieces together end soon after that many legs.
+  const std::size_t most_legs = 2 * mesh_.faces.size() + 2;
+  while (legs.size() < most_legs && !poll_.cancelled()) {
     if (const auto end = source_on(line, face)) {
       legs.push_back({face.face, start, *end});
       return Stop{kNone, piece.source};

@@ -19,13 +19,6 @@
 namespace geodesic {
 namespace {
 
-// Flipping ends by itself; on scans each edge is flipped 0.2 times. On a flat region that is cut up
-// over its outline, as the caps of a tube, each face takes one flip for some 50 corners of an
-// outline: 90 where there are 5,000. Whatever rounding makes of the slivers, it ends here.
-constexpr std::uint64_t kMostFlipsPerFace = 64;
-constexpr std::uint64_t kMostFlipsPerFaceOfFew = 110;
-constexpr std::uint64_t kMostFlipsOfFew = 4'400'000;  // a second and a half
-
 // Some faces that follow one another. What changes in them concerns no others.
 struct Block {
   std::size_t number;
@@ -205,9 +198,7 @@ template <class IsWanted, class MayFlip>
 std::uint64_t DelaunayBuilder::flip_waiting(std::vector<Halfedge>& waiting, std::size_t face_count,
                                             SideLengths& lengths, IsWanted is_wanted,
                                             MayFlip may_flip, Poll& poll) {
-  const std::uint64_t most =
-      std::max(kMostFlipsPerFace * face_count,
-               std::min(kMostFlipsPerFaceOfFew * face_count, kMostFlipsOfFew));
+  const std::uint64_t most = most_flips(face_count);
   std::uint64_t count = 0;
   while (!waiting.empty() && count < most && !poll.cancelled()) {
     const Halfedge h = waiting.back();

@@ -35,11 +35,6 @@ constexpr std::size_t kFewWithoutWidth = 50;
 // long keep their digits.
 constexpr double kLeastLongest2 = 1e-100;
 constexpr double kMostLongest2 = 1e100;
-// Steps of walks, and flips, for each face: machine parts take some 20, flat regions of thousands
-// of corners more (intrinsic_delaunay.cpp).
-constexpr std::size_t kMostSteps = 64;
-constexpr std::size_t kMostStepsOfFew = 110;  // for each face, as long as all are not more than
-constexpr std::size_t kMostOfFew = 4'400'000;
 // Found at once, for each face there is room for.
 constexpr std::size_t kMostNeedles = 4;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -149,8 +144,7 @@ Refining::Refining(const Triangulation& mesh, std::span<const Vec3> positions, P
       poll_(poll),
       face_count_(mesh.faces.size()),
       vertex_count_(static_cast<std::uint32_t>(mesh.corner_begin.size() - 1)),
-      steps_(std::max(kMostSteps * mesh.faces.size(),
-                      std::min(kMostStepsOfFew * mesh.faces.size(), kMostOfFew))),
+      steps_(most_flips(mesh.faces.size())),
       lengths_(positions, most_faces(mesh), poll) {
   constexpr std::size_t kOfFace = sizeof(FaceRecord) + sizeof(SquaredSides) +
                                   sizeof(direction_[0]) + 2 * kMostNeedles * sizeof(Needle) +

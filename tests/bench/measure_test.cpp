@@ -19,6 +19,7 @@
 #include "tests/bench/errors.h"
 #include "tests/bench/family_meshes.h"
 #include "tests/bench/irregular_plane.h"
+#include "tests/bench/outline.h"
 #include "tests/bench/peak_memory.h"
 #include "tests/bench/peer.h"
 #include "tests/bench/prepared.h"
@@ -243,6 +244,34 @@ TEST_CASE("PointsAndPathsByAutoOnPartsAreExact") {
                  << " off by more than 1e-6, the worst by " << worst);
     CHECK(20 * static_cast<std::size_t>(bad) <= errors->size());
   }
+}
+
+TEST_CASE("TubesOfThousandsOfSidesAreRefined") {
+  std::mt19937 random(fixtures::test_seed());
+  const auto sides = static_cast<std::uint32_t>(3000 + random() % 2001);
+  const bench::Prepared prepared(bench::extrusion(bench::circle({0, 0}, 1, sides),
+                                                  {bench::circle({0, 0}, 0.6, sides, true)}, 1, 1));
+  const Adjacency& adjacency = prepared.adjacency();
+  REQUIRE(adjacency.refined() != nullptr);
+  const Source source{point_at_vertex(adjacency, static_cast<std::uint32_t>(
+                                                     random() % prepared.mesh().vertex_count())),
+                      0};
+  FieldLimits limits;
+  limits.keep_details = false;
+  SolveScratch scratch;
+  const auto exact =
+      solve_field(Method::exact, {}, adjacency, {&source, 1}, limits, scratch, Cancel());
+  const auto automatic =
+      solve_field(Method::back_traced, {}, adjacency, {&source, 1}, limits, scratch, Cancel());
+  REQUIRE((exact && automatic));
+  double worst = 0;
+  for (std::uint32_t v = 0; v < prepared.mesh().vertex_count(); ++v) {
+    const double d = exact->distance[v];
+    if (d > 0) worst = std::max(worst, std::abs(automatic->distance[v] / d - 1));
+  }
+  MESSAGE(sides << " sides: " << adjacency.parts().delaunay->flips() / prepared.mesh().face_count()
+                << " flips a face, auto off by at most " << worst);
+  CHECK(worst <= 1e-6);
 }
 
 TEST_CASE("ExactEndsSoonOnPartsWhoseEdgesAreRounding") {
