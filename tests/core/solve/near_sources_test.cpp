@@ -93,6 +93,28 @@ TEST_CASE("NearTheSourcesOfRoughAndStretchedSurfacesDistancesAreExact") {
   CHECK(looked_at > 0);
 }
 
+// The mesh's area says nothing of how many vertices there are about a source.
+TEST_CASE("WhereTheColumnsOfAGridGrowUpperBoundsNearTheSourceAreClose") {
+  std::mt19937 random(fixtures::test_seed());
+  for (int i = 0; i < fixtures::all_or(30, 8); ++i) {
+    CAPTURE(i);
+    const std::uint32_t side = 30 + random() % 30;
+    TriangleSoup soup = shapes::plane(side, side);
+    const double growth = 20 + 200 * fixtures::fraction(random);  // last column by first
+    for (Vec3& p : soup.positions) p.x = side * std::pow(growth, p.x / side);
+    const Surface surface(soup);
+    const std::vector<Source> sources = drawn_sources(random, surface);
+    const Field exact = solved(surface, Method::exact, Bound::none, sources);
+    const Field upper = solved(surface, Method::back_traced, Bound::upper, sources);
+    for (std::uint32_t v = 0; v < surface.mesh().vertex_count(); ++v) {
+      CAPTURE(v);
+      const double d = exact.distance[v];
+      CHECK(upper.distance[v] >= (1 - 1e-9) * d);
+      CHECK(upper.distance[v] <= 1.01 * d);
+    }
+  }
+}
+
 TEST_CASE("APairNearTheSourceIsAsFarAsTheFieldSays") {
   std::mt19937 random(fixtures::test_seed());
   for (int i = 0; i < fixtures::all_or(6, 2); ++i) {
