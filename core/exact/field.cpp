@@ -7,6 +7,8 @@
 
 #include "core/exact/propagation.h"
 #include "core/exact/surface.h"
+#include "core/field/around_points.h"
+#include "core/field/longest_edge.h"
 #include "core/field/straight_floor.h"
 #include "core/field/vertex_front.h"
 
@@ -37,13 +39,22 @@ std::uint64_t expected_bytes(const Adjacency& adjacency, const Triangulation& su
 }
 
 // Of which faces windows are kept, for the details of a field: of a machine part, of those that
-// are best for it, unless points have no places on them.
-enum class Keep : std::uint8_t { nothing, of_mesh, of_part };
+// are best for it, unless points have no places on them; with directions, of the refined surface,
+// where it is better and has all, or of the mesh.
+enum class Keep : std::uint8_t { nothing, of_mesh, with_directions, of_part };
+
+Keep keep_for(const FieldLimits& limits) {
+  if (!limits.keep_details) return Keep::nothing;
+  return limits.may_keep_refined ? Keep::with_directions : Keep::of_mesh;
+}
 
 // Vertices have the same distances on faces that are better for it.
 Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> sources, Keep keep,
                           Poll& poll) {
   if (keep == Keep::of_mesh) return adjacency.triangulation();
+  if (keep == Keep::with_directions) {
+    return exact::surface_with_directions(adjacency, sources, poll);
+  }
   return keep == Keep::of_part && adjacency.has_large_faces()
              ? exact::surface_of_part(adjacency, sources, poll)
              : exact::surface_for_windows(adjacency, sources, poll);
@@ -51,7 +62,9 @@ Triangulation surface_for(const Adjacency& adjacency, std::span<const Source> so
 
 bool keeps_windows(Keep keep, bool keep_details, const Adjacency& adjacency,
                    const Triangulation& surface) {
-  if (keep != Keep::of_part || !keep_details) return keep == Keep::of_mesh;
+  if (keep != Keep::of_part || !keep_details) {
+    return keep == Keep::of_mesh || keep == Keep::with_directions;
+  }
   return exact::is_refined(adjacency, surface) ||
          (adjacency.has_large_faces() && surface.faces.data() == adjacency.faces().data());
 }
@@ -97,6 +110,11 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   forget_windows(scratch, poll);  // before anybody asks for window_bytes()
   if (poll.stopped()) return fail_stopped(cancel);
   const Triangulation surface = surface_for(adjacency, sources, keep, poll);
+  if (keep == Keep::with_directions) {
+    if (!exact::is_refined(adjacency, surface)) keep = Keep::of_mesh;
+    // Vertices that start early may be such as were added, of which a field knows nothing.
+    if (keep == Keep::with_directions) tolerance = 0;
+  }
   const bool keeps = keeps_windows(keep, limits.keep_details, adjacency, surface);
   const bool keeps_some = keep == Keep::of_mesh && !limits.detail_faces.empty();
   if (is_whole && !cancel.may_take(expected_bytes(adjacency, surface, keeps && !keeps_some))) {
@@ -138,6 +156,8 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   // What was not final when the last target was is farther than any of them.
   double farthest = limits.targets.empty() ? kUnreached : 0;
   for (const std::uint32_t v : limits.targets) farthest = std::max(farthest, field.distance[v]);
+  // Ways to points inside faces lead over other vertices than the corners of theirs.
+  if (keep == Keep::with_directions) farthest += limits.beyond_targets;
   keep_vertices_of_mesh(adjacency, field);
   field.forget_beyond(std::min(farthest, limits.max));
   if (poll.stopped()) return fail_stopped(cancel);
@@ -145,9 +165,9 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
   if (keep == Keep::of_mesh) {
     field.windows = std::make_shared<const WindowTable>(propagation.window_table(last));
   } else if (keeps) {
-    field.kept_windows = std::make_shared<const SurfaceWindows>(
-        SurfaceWindows{propagation.window_table(last), exact::is_refined(adjacency, surface),
-                       source_places(adjacency, surface, sources, last)});
+    field.kept_windows = std::make_shared<const SurfaceWindows>(SurfaceWindows{
+        propagation.window_table(last), exact::is_refined(adjacency, surface),
+        source_places(adjacency, surface, sources, last), keep == Keep::with_directions});
   }
   propagation.drop_windows(last);
   if (last.stopped()) return fail_stopped(at_end);
@@ -159,9 +179,8 @@ Result<Field> field_by_windows(Method method, const Adjacency& adjacency,
 
 Result<Field> exact_field(const Adjacency& adjacency, std::span<const Source> sources,
                           const FieldLimits& limits, ExactScratch& scratch, const Cancel& cancel) {
-  const Keep keep = limits.keep_details ? Keep::of_mesh : Keep::nothing;
-  auto field =
-      field_by_windows(Method::exact, adjacency, sources, 0, keep, limits, scratch, cancel, cancel);
+  auto field = field_by_windows(Method::exact, adjacency, sources, 0, keep_for(limits), limits,
+                                scratch, cancel, cancel);
   return not_below_straight_lines(adjacency.mesh(), std::move(field), limits, cancel);
 }
 
@@ -180,7 +199,8 @@ Result<Field> field_within(double tolerance, const Adjacency& adjacency,
                            ExactScratch& scratch, const Cancel& cancel) {
   const bool keeps = limits.keep_details && !limits.detail_faces.empty();
   return field_by_windows(Method::back_traced, adjacency, sources, tolerance,
-                          keeps ? Keep::of_mesh : Keep::nothing, limits, scratch, cancel, cancel);
+                          keeps ? keep_for(limits) : Keep::nothing, limits, scratch, cancel,
+                          cancel);
 }
 
 Result<Field> field_with_kept_windows(const Adjacency& adjacency, std::span<const Source> sources,
@@ -190,6 +210,23 @@ Result<Field> field_with_kept_windows(const Adjacency& adjacency, std::span<cons
   limits.keep_details = keep_details;
   return field_by_windows(Method::back_traced, adjacency, sources, 0, Keep::of_part, limits,
                           scratch, counting, cancel);
+}
+
+bool prefers_refined(const Adjacency& adjacency, std::span<const Source> sources, Poll& poll) {
+  return exact::is_refined(adjacency, exact::surface_with_directions(adjacency, sources, poll));
+}
+
+Result<Field> exact_field_over_mesh(const Adjacency& adjacency, const Field& field,
+                                    const SurfacePoint& point, const Cancel& cancel) {
+  const auto faces = faces_around(adjacency, {&point, 1}, cancel);
+  if (!faces) return fail(faces.error());
+  const auto targets = vertices_around(adjacency, {&point, 1}, cancel);
+  if (!targets) return fail(targets.error());
+  FieldLimits limits;
+  limits.targets = *targets;
+  limits.beyond_targets = longest_edge_of(adjacency, *faces);
+  ExactScratch scratch;
+  return exact_field(adjacency, field.sources, limits, scratch, cancel);
 }
 
 }  // namespace geodesic

@@ -49,7 +49,9 @@ struct ExactScratch {
 // (straight from there) and the sources in it. A window whose source is a vertex
 // that a source was placed at has no pseudo-source.
 //
-// Without them windows run over the faces that have fewer edges in the way, perhaps not the
+// With limits.may_keep_refined, they may be `kept_windows` instead, over the refined surface.
+//
+// Without details windows run over the faces that have fewer edges in the way, perhaps not the
 // mesh's own (exact/surface.h): the same distances, but for rounding.
 //
 // Each of n edges gets O(n) windows at worst, about 14 on scans.
@@ -71,9 +73,10 @@ struct ExactScratch {
 // `tolerance` of it, from 0, exact, to 1. Each is the length of a path on the surface. Where
 // the surface is rough or round, this costs a fraction: narrow windows that went past
 // a vertex on both sides are left behind (exact/propagation.h). Windows are
-// kept of limits.detail_faces alone; the distance of a point there, as above, keeps the same
-// promise. Where points are as far apart as rounding moves them, a distance may be below the
-// straight line in space (field/straight_floor.h). Errors: cancelled.
+// kept of limits.detail_faces alone, or as by exact_field of the refined surface; the distance of a
+// point there, as above, keeps the same promise. Where points are as far apart as rounding moves
+// them, a distance may be below the straight line in space (field/straight_floor.h). Errors:
+// cancelled.
 [[nodiscard]] Result<Field> field_within(double tolerance, const Adjacency& adjacency,
                                          std::span<const Source> sources, const FieldLimits& limits,
                                          ExactScratch& scratch, const Cancel& cancel);
@@ -86,5 +89,16 @@ struct ExactScratch {
                                                     std::span<const Source> sources,
                                                     bool keep_details, ExactScratch& scratch,
                                                     const Cancel& counting, const Cancel& cancel);
+
+// Whether exact_field keeps windows of the refined surface where it may. Takes some ten
+// microseconds. False if the poll says to stop.
+[[nodiscard]] bool prefers_refined(const Adjacency& adjacency, std::span<const Source> sources,
+                                   Poll& poll);
+
+// The field, but with the windows of the mesh's own faces and as far as the point: for what the
+// windows of the refined surface do not tell, where rounding hides the place of a point or the way
+// of a path. Takes as long as exact_field over needles. Errors: cancelled.
+[[nodiscard]] Result<Field> exact_field_over_mesh(const Adjacency& adjacency, const Field& field,
+                                                  const SurfacePoint& point, const Cancel& cancel);
 
 }  // namespace geodesic

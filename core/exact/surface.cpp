@@ -134,4 +134,13 @@ Triangulation surface_of_part(const Adjacency& adjacency, std::span<const Source
   return surface_of_fewest(adjacency, sources, 3, poll);
 }
 
+Triangulation surface_with_directions(const Adjacency& adjacency, std::span<const Source> sources,
+                                      Poll& poll) {
+  const Triangulation mesh = adjacency.triangulation();
+  const RefinedSurface* refined = adjacency.refined();
+  if (refined == nullptr || !refined->has_all_directions(mesh)) return mesh;
+  constexpr double kNeverWorth = kUnreached;
+  return surface_of_fewest(adjacency, sources, kNeverWorth, poll);
+}
+
 }  // namespace geodesic::exact

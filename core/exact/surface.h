@@ -51,4 +51,9 @@ struct PlaceInFace {
 [[nodiscard]] Triangulation surface_of_part(const Adjacency& adjacency,
                                             std::span<const Source> sources, Poll& poll);
 
+// The same of the mesh's own faces and the refined surface alone: the latter only where all its
+// vertices have directions (RefinedSurface::has_all_directions).
+[[nodiscard]] Triangulation surface_with_directions(const Adjacency& adjacency,
+                                                    std::span<const Source> sources, Poll& poll);
+
 }  // namespace geodesic::exact

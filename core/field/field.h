@@ -54,6 +54,10 @@ struct FieldLimits {
   // all of them would take much. Points in other faces, and paths there, then lack windows.
   // Within a tolerance they are kept of no others.
   std::span<const std::uint32_t> detail_faces;
+  // Windows may be kept of the refined surface instead, as `kept_windows`, of all its faces: where
+  // it has fewer, and where every direction over the mesh is one over it. For points and paths;
+  // what asks Field::windows does without.
+  bool may_keep_refined = false;
   // When bounded: fronts need not go on from vertices that are too far out of the way to
   // the targets. Others than these then read kUnreached, or more than their distance. For
   // `wavefront`, `novotni`, `dijkstra` and `back_traced`, from one source; others go
@@ -93,7 +97,8 @@ struct Field {
   // there is none. Empty for a single source.
   std::vector<std::uint32_t> nearest_source;
   std::shared_ptr<const WindowTable> windows;  // of `exact` and `chen_han`, when kept
-  // Of `back_traced` that goes by windows on a machine part, when kept.
+  // Of `back_traced` that goes by windows on a machine part, when kept; of `exact` and within a
+  // tolerance, in place of `windows`, with FieldLimits::may_keep_refined.
   std::shared_ptr<const SurfaceWindows> kept_windows;
   std::shared_ptr<const EdgePoints> edge_points;  // of `steiner`, when kept
   // When lines or faces are sources, too: what leaves them straight. Each vertex that is nearest by

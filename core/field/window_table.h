@@ -141,6 +141,9 @@ struct SurfaceWindows {
   WindowTable table;
   bool is_refined;                   // of Adjacency::refined; otherwise of the mesh's own faces
   std::vector<SourcePlace> sources;  // ascending by face
+  // Whether they are what was asked for, of `exact` or within a tolerance: the distances of points
+  // by them are the field's, and nothing else is.
+  bool are_the_answer = false;
 
   [[nodiscard]] std::size_t bytes() const {
     return sizeof(SurfaceWindows) + table.bytes() + sources.capacity() * sizeof(SourcePlace);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/tolerances.h"
+#include "core/exact/field.h"
 #include "core/field/edge_points.h"
 #include "core/field/line_waves.h"
 #include "core/paths/arrive_at_point.h"
@@ -83,9 +84,9 @@ class Tracer {
     if (!way) return std::nullopt;
     for (const WayLeg& leg : way->legs) legs_.push_back({leg.face, leg.start, leg.end, kNone});
     Path path = assemble(way->source);
-    // Distances of vertices are floats.
-    constexpr double kSame = 2 * tolerance::kSinglePrecision;
-    if (is_longer_than_said(field_, path, way->distance, kSame)) return std::nullopt;
+    const double same =
+        field_.distance.are_floats() ? 2 * tolerance::kSinglePrecision : tolerance::kSamePath;
+    if (is_longer_than_said(field_, path, way->distance, same)) return std::nullopt;
     return path;
   }
 
@@ -413,6 +414,11 @@ Result<std::optional<Path>> trace_path(const Adjacency& adjacency, const Field& 
     if (!path || *path) return path;
     if (!field.kept_windows->is_refined)
       return trace_path(adjacency, as_exact(field), target, cancel);
+    if (field.kept_windows->are_the_answer) {
+      const auto over_mesh = exact_field_over_mesh(adjacency, field, target, cancel);
+      if (!over_mesh) return fail(over_mesh.error());
+      return trace_path(adjacency, *over_mesh, target, cancel);
+    }
   }
   auto path = Tracer(adjacency, field, cancel).trace(target);
   if (!path || !*path || !field.windows) return path;

@@ -15,8 +15,6 @@ using Weights = std::array<double, 3>;
 // The tolerance beside a line: of its length, and of the mesh's extent.
 constexpr double kBesideOfWay = 1e-7;
 constexpr double kBesideOfExtent = 1e-11;
-// Distances of vertices may be floats: two roundings.
-constexpr double kSameFloat = 2 * tolerance::kSinglePrecision;
 
 Vec2 place_in(const UnfoldedTriangle& laid, const Weights& weights) {
   Vec2 place{0, 0};
@@ -54,7 +52,8 @@ WindowPaths::WindowPaths(const Adjacency& adjacency, const Field& field, Poll& p
       refined_(field.kept_windows->is_refined ? adjacency.refined() : nullptr),
       mesh_(adjacency.triangulation()),
       surface_(refined_ != nullptr ? refined_->triangulation() : mesh_),
-      extent_(norm(adjacency.mesh().box().max - adjacency.mesh().box().min)) {}
+      extent_(norm(adjacency.mesh().box().max - adjacency.mesh().box().min)),
+      same_(field.distance.are_floats() ? 2 * tolerance::kSinglePrecision : tolerance::kSameWay) {}
 
 std::vector<WindowPaths::Place> WindowPaths::places_of(const SurfacePoint& point) const {
   if (refined_ != nullptr) return refined_->places_of(mesh_, point.face, point.bary, poll_);
@@ -101,7 +100,7 @@ WindowPaths::Piece WindowPaths::piece_through(const UnfoldedTriangle& laid,
           ? shortest_way_through_windows(adjacency_, windows_, {laid.face, weights, kNone})
           : shortest_way_through_windows(surface_.faces, windows_, laid.face, weights);
   // A vertex that was rounded down is no nearer than the window that comes past it.
-  if (!(way.distance * (1 - kSameFloat) < best.distance)) return best;
+  if (!(way.distance * (1 - same_) < best.distance)) return best;
   const std::uint32_t pseudo_source = way.window->pseudo_source;
   best = {way.distance, unfolded_source(*way.window, laid, way.corner), pseudo_source,
           pseudo_source == kNone ? way.window->source : kNone};
@@ -237,7 +236,7 @@ std::optional<std::uint32_t> WindowPaths::vertex_on(const Line& line,
                             along <= line.length + line.tolerance;
     if (!is_on_line || !(along < least)) continue;
     const bool is_end = v == line.piece.vertex && std::abs(along - line.length) <= line.tolerance;
-    const double rounding = kSameFloat * line.piece.distance + line.tolerance;
+    const double rounding = same_ * line.piece.distance + line.tolerance;
     const bool is_passed = along > line.tolerance &&
                            std::abs(field_.distance[v] - (line.piece.distance - along)) <= rounding;
     if (!is_end && !is_passed) continue;

@@ -1,9 +1,9 @@
-// Distances of surface points, and shortest paths to them, from the windows that a field by `auto`
-// has kept on a machine part (Mitchell, Mount and Papadimitriou 1987). The windows belong to the
-// mesh's own faces or to its refined surface (surface/refined_surface.h). A shortest path bends
-// only at pseudo-sources. Between two of them it unfolds to a straight line in every triangulation
-// of the same surface. The windows give each piece's length and direction; it is then traced over
-// the mesh's own faces.
+// Distances of surface points, and shortest paths to them, from the windows that a field has kept
+// on a machine part (Mitchell, Mount and Papadimitriou 1987). The windows belong to the mesh's own
+// faces or to its refined surface (surface/refined_surface.h). A shortest path bends only at
+// pseudo-sources. Between two of them it unfolds to a straight line in every triangulation of the
+// same surface. The windows give each piece's length and direction; it is then traced over the
+// mesh's own faces.
 #pragma once
 
 #include <array>
@@ -38,8 +38,9 @@ class WindowPaths {
   WindowPaths(const Adjacency& adjacency, const Field& field, Poll& poll);
 
   // Mesh units, the source's offset included. Exact up to what rounding to a float takes of
-  // vertices' distances; kUnreached if no path leads there. Nothing where the point has no place in
-  // the windows' triangulation: on a refined surface, where no corner of its face has directions.
+  // vertices' distances, if they are floats; kUnreached if no path leads there. Nothing where the
+  // point has no place in the windows' triangulation: on a refined surface, where no corner of its
+  // face has directions.
   [[nodiscard]] std::optional<double> distance_at(const SurfacePoint& point) const;
 
   struct Way {
@@ -110,6 +111,7 @@ class WindowPaths {
   Triangulation mesh_;
   Triangulation surface_;  // that the windows belong to
   double extent_;          // the diagonal of the bounding box, mesh units
+  double same_;            // what rounding may take of a vertex's distance: a part of it
 };
 
 }  // namespace geodesic

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/tolerances.h"
+#include "core/exact/field.h"
 #include "core/field/line_waves.h"
 #include "core/solve/ways_to_sources.h"
 #include "core/straighten/refine_path.h"
@@ -155,9 +156,17 @@ Result<double> distance_by_points(const Adjacency& adjacency, const Field& field
                                   const PointArrivals& arrivals, const SurfacePoint& point,
                                   const std::optional<Path>* refined, const Cancel& cancel) {
   const std::optional<double> by_windows = arrivals.by_kept_windows(point);
+  const bool are_the_answer = field.kept_windows && field.kept_windows->are_the_answer;
+  if (are_the_answer && !by_windows && !arrivals.was_stopped()) {
+    const auto over_mesh = exact_field_over_mesh(adjacency, field, point, cancel);
+    if (!over_mesh) return fail(over_mesh.error());
+    Poll poll(cancel);
+    const double told = PointArrivals(adjacency, *over_mesh, &poll).distance_at(point);
+    return poll.stopped() ? fail_stopped(poll) : Result<double>(told);
+  }
   const double told = by_windows ? *by_windows : arrivals.distance_at(point);
   if (arrivals.was_stopped()) return fail_stopped(cancel);
-  if (by_windows && field.bound == Bound::none) {
+  if (by_windows && (field.bound == Bound::none || are_the_answer)) {
     return not_below_straight_line(adjacency, field, point, told);
   }
   Poll poll(cancel);

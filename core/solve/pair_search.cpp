@@ -92,6 +92,7 @@ class PairSearch {
     const bool may_follow_path = with_path() || (method_ == Method::back_traced && !to.at_vertex());
     if (is_exact(method_) || !(may_follow_path || longest < kUnreached)) limits.targets = targets;
     limits.keep_details = with_path() || !to.at_vertex();
+    limits.may_keep_refined = true;
     const std::span<const Vec3> positions = adjacency.mesh().positions();
     const Vec3 goal = position_of(adjacency.mesh(), to);
     double about = 0;  // those round the target are to be reached as well
@@ -206,6 +207,11 @@ Result<Pair> pair_search(Method method, const MethodOptions& options, const Adja
       !is_exact(method) && goes_by_windows(method, options, adjacency, {&from, 1});
   if (!searches_pairs(method) || by_windows) {
     return search.by_field(adjacency, from, to, kUnreached);
+  }
+  // A part of the surface that is cut out has no refined surface.
+  Poll poll(cancel);
+  if (method == Method::exact && prefers_refined(adjacency, {&from, 1}, poll)) {
+    return search.straightened(adjacency, search.by_field(adjacency, from, to, kUnreached));
   }
   WavefrontScratch& along_edges = scratch.parts().wavefront;
   // A search may be too small to ask or tell on its own.

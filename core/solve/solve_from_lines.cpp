@@ -206,6 +206,7 @@ Result<Field> solve_from_lines(Method method, const MethodOptions& options,
   FieldLimits whole = limits;
   whole.targets = {};
   whole.detour = {};
+  whole.may_keep_refined = false;
   auto field =
       solve_field(method, taken, adjacency, all, whole, scratch, cancel.part(kStripsPart, 1));
   if (!field) return field;

@@ -456,6 +456,13 @@ std::vector<RefinedSurface::Place> RefinedSurface::places_of(const Triangulation
   return {};
 }
 
+bool RefinedSurface::has_all_directions(const Triangulation& mesh) const {
+  for (std::uint32_t v = 0; v < parts_.first_corner.size(); ++v) {
+    if (parts_.first_corner[v] == kNone && !mesh.corners(v).empty()) return false;
+  }
+  return true;
+}
+
 std::optional<Heading> RefinedSurface::heading_on_mesh(const Triangulation& mesh,
                                                        const Heading& heading, Poll& poll) const {
   const Triangulation refined = triangulation();

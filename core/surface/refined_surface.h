@@ -84,6 +84,10 @@ class RefinedSurface {
                                              const std::array<double, 3>& weights,
                                              Poll& poll) const;
 
+  // Whether all vertices of the mesh have directions: then all points have places, unless rounding
+  // hides them, and no straight line meets an edge of three faces.
+  [[nodiscard]] bool has_all_directions(const Triangulation& mesh) const;
+
   // The same direction at a vertex of the mesh, over the mesh's own faces. Nothing where none is
   // known there.
   [[nodiscard]] std::optional<Heading> heading_on_mesh(const Triangulation& mesh,

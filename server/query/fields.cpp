@@ -210,6 +210,7 @@ Result<LruCache<Field>::Lookup> Fields::whole(const FieldQuestion& question, Det
         FieldLimits limits;
         limits.max = question.max;
         limits.keep_details = details == Details::kept;
+        limits.may_keep_refined = true;
         auto field = compute(
             [&](SolveScratch& scratch, const Cancel& cancel) {
               return solve(question, limits, scratch, cancel, caller);
@@ -404,6 +405,7 @@ Result<std::vector<double>> Fields::read_row(const FieldQuestion& question, cons
     limits.max = max_around(own, faces);
     limits.keep_details = details == Details::kept;
     limits.detail_faces = faces;
+    limits.may_keep_refined = true;
     auto solved = solve(own, limits, scratch, cancel, caller);
     if (!solved) return fail(std::move(solved.error()));
     field = std::make_shared<const Field>(std::move(*solved));
@@ -431,6 +433,7 @@ Result<PointDistances> Fields::read_points(const FieldQuestion& question,
     // A cheap way may come to a point of a face after all of its corners.
     if (!question.cost) limits.targets = targets;
     limits.keep_details = details == Details::kept;
+    limits.may_keep_refined = true;
     const auto faces = faces_around(*question.adjacency, points, cancel);
     if (!faces) return fail(faces.error());
     limits.beyond_targets = longest_edge_of(*question.adjacency, *faces);

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -244,6 +245,66 @@ TEST_CASE("PointsAndPathsByAutoOnPartsAreExact") {
                  << " off by more than 1e-6, the worst by " << worst);
     CHECK(20 * static_cast<std::size_t>(bad) <= errors->size());
   }
+}
+
+// Windows over the refined surface against those over the mesh, which are the oracle and the
+// yardstick.
+TEST_CASE("PointsAndPathsByExactOnPartsAreThoseOverTheMesh") {
+  std::mt19937 random(fixtures::test_seed());
+  int parts = 0;
+  int asked = 0;
+  double worst = 0;
+  std::vector<double> times;
+  std::vector<double> bytes;
+  for (std::uint32_t i = 0; i < bench::kPartKinds; ++i) {
+    CAPTURE(i);
+    const bench::Prepared prepared(bench::part_of_family(fixtures::test_seed(), i).soup);
+    const Adjacency& adjacency = prepared.adjacency();
+    const auto draw = [&] {
+      const auto weight = [&] { return 0.001 + static_cast<double>(random()) / 4294967296.0; };
+      const auto face = static_cast<std::uint32_t>(random() % prepared.mesh().face_count());
+      return point_on_face(adjacency, face, {weight(), weight(), weight()});
+    };
+    const Source source{draw(), 0};
+    SolveScratch scratch;
+    const auto field = [&](bool may_keep_refined, double& seconds) {
+      FieldLimits limits;
+      limits.may_keep_refined = may_keep_refined;
+      const auto begin = std::chrono::steady_clock::now();
+      auto solved =
+          solve_field(Method::exact, {}, adjacency, {&source, 1}, limits, scratch, Cancel());
+      seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      REQUIRE(solved);
+      return std::move(*solved);
+    };
+    double of_mesh = 0;
+    double of_refined = 0;
+    const Field over_mesh = field(false, of_mesh);
+    const Field refined = field(true, of_refined);
+    if (!refined.kept_windows) continue;
+    ++parts;
+    times.push_back(of_refined / of_mesh);
+    bytes.push_back(static_cast<double>(refined.bytes()) / static_cast<double>(over_mesh.bytes()));
+    const PointArrivals by_mesh(adjacency, over_mesh);
+    const PointArrivals by_refined(adjacency, refined);
+    for (int k = 0; k < 40; ++k) {
+      const SurfacePoint target = draw();
+      const double d = by_mesh.distance_at(target);
+      if (!(d > 0 && d < kInfinite)) continue;
+      ++asked;
+      const auto told = distance_at_point(adjacency, refined, by_refined, target, Cancel());
+      const auto path = path_through(adjacency, refined, target, PathWork::traced, Cancel());
+      REQUIRE((told && path && *path));
+      worst = std::max({worst, std::abs(*told / d - 1), std::abs((*path)->length / d - 1)});
+    }
+  }
+  REQUIRE(parts > 0);
+  const auto [quickest, slowest] = std::minmax_element(times.begin(), times.end());
+  const auto [least, most] = std::minmax_element(bytes.begin(), bytes.end());
+  MESSAGE(asked << " points and paths on " << parts << " parts, off by at most " << worst
+                << "; fields took " << *quickest << " to " << *slowest << " times as long, "
+                << *least << " to " << *most << " times the memory");
+  CHECK(worst <= 1e-8);
 }
 
 TEST_CASE("TubesOfThousandsOfSidesAreRefined") {

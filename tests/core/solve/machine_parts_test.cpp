@@ -9,14 +9,18 @@
 #include <utility>
 #include <vector>
 
+#include "core/field/longest_edge.h"
 #include "core/paths/arrive_at_point.h"
 #include "core/solve/distance_at_point.h"
+#include "core/solve/pair_search.h"
 #include "core/straighten/refine_path.h"
 #include "tests/fixtures/crumpled_surfaces.h"
 #include "tests/fixtures/path_checks.h"
+#include "tests/fixtures/sanitizers.h"
 #include "tests/fixtures/solved.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/turned_part.h"
 
 using namespace geodesic;
 using fixtures::kFloat;
@@ -191,4 +195,78 @@ TEST_CASE("OnMachinePartsAPointHasTheDistanceOfTheWholeField") {
       CHECK(*found == *wanted);
     }
   }
+}
+
+// Of windows kept over the refined surface the oracle is those over the mesh's own faces.
+TEST_CASE("OverRefinedPartsPointsAndPathsByExactAndWithinATolerance") {
+  const std::uint32_t seed = fixtures::test_seed();
+  std::uint32_t refined = 0;
+  for (std::uint32_t number = 0; number < fixtures::all_or(48U, 18U); ++number) {
+    CAPTURE(number);
+    std::mt19937 random(seed + number);
+    const auto spoiled = static_cast<fixtures::Spoiled>(number % fixtures::kSpoils);
+    const Surface part(fixtures::turned_part(random, spoiled));
+    const Adjacency& adjacency = part.adjacency();
+    std::vector<Source> sources{{fixtures::drawn_point(adjacency, random), 0}};
+    if (random() % 3 == 0) {
+      sources.push_back({fixtures::drawn_point(adjacency, random), fixtures::fraction(random)});
+    }
+    const Field over_mesh = part.field_by(Method::exact, sources);
+    FieldLimits limits;
+    limits.may_keep_refined = true;
+    const Field field = part.field_by(Method::exact, sources, limits);
+    const bool has_odd_edges =
+        spoiled == fixtures::Spoiled::windings || spoiled == fixtures::Spoiled::fins;
+    CHECK((field.kept_windows != nullptr) == (field.windows == nullptr));
+    if (has_odd_edges) CHECK(!field.kept_windows);
+    if (!field.kept_windows) continue;
+    ++refined;
+    CHECK(field.kept_windows->is_refined);
+    const PointArrivals by_mesh(adjacency, over_mesh);
+    const PointArrivals by_refined(adjacency, field);
+    for (int k = 0; k < 10; ++k) {
+      CAPTURE(k);
+      const SurfacePoint target = fixtures::drawn_point(adjacency, random);
+      const double d = by_mesh.distance_at(target);
+      if (!(d > 0 && d < kUnreached)) continue;
+      const auto told = distance_at_point(adjacency, field, by_refined, target, Cancel());
+      REQUIRE(told);
+      CHECK(std::abs(*told - d) <= 1e-9 * d);
+      const auto path = path_through(adjacency, field, target, PathWork::traced, Cancel());
+      REQUIRE((path && *path));
+      const double along = sources[(*path)->source].offset + (*path)->length;
+      CHECK(std::abs(along - d) <= 1e-8 * d);
+      fixtures::check_is_a_path(adjacency, **path,
+                                norm(part.mesh().box().max - part.mesh().box().min));
+      // As far as need be, and no farther.
+      const auto around = adjacency.face(target.face);
+      const std::vector<std::uint32_t> detail{target.face};
+      limits.targets = around.vertex;
+      limits.beyond_targets = std::sqrt(around.longest2());
+      limits.detail_faces = detail;
+      const double tolerance = std::pow(10.0, -1 - 5 * fixtures::fraction(random));
+      MethodOptions within;
+      within.error_at_most = tolerance;
+      const Field near = part.field_by(Method::exact, sources, limits);
+      const Field about = part.field_by(Method::back_traced, sources, limits, within);
+      for (const Field* limited : {&near, &about}) {
+        const PointArrivals arrivals(adjacency, *limited);
+        const auto found = distance_at_point(adjacency, *limited, arrivals, target, Cancel());
+        REQUIRE(found);
+        CHECK(*found >= d * (1 - 1e-9));
+        CHECK(*found <= d * (1 + (limited == &near ? 1e-9 : tolerance)));
+      }
+      limits.targets = {};
+      limits.detail_faces = {};
+      if (sources.size() > 1) continue;
+      SolveScratch scratch;
+      const auto pair = pair_search(Method::exact, {}, adjacency, sources.front(), target,
+                                    PairPath::refined, scratch, Cancel());
+      REQUIRE((pair && pair->path));
+      CHECK(std::abs(pair->distance - d) <= 1e-9 * d);
+      CHECK(std::abs(pair->path->length - d) <= 1e-8 * d);
+    }
+  }
+  MESSAGE(refined << " parts are refined");
+  CHECK(refined > 0);
 }

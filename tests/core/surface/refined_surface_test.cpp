@@ -23,93 +23,16 @@
 #include "tests/fixtures/path_checks.h"
 #include "tests/fixtures/surface.h"
 #include "tests/fixtures/test_seed.h"
+#include "tests/fixtures/turned_part.h"
 
 using namespace geodesic;
+using fixtures::drawn_point;
+using fixtures::kSpoils;
+using fixtures::Spoiled;
 using fixtures::Surface;
+using fixtures::turned_part;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-// What is done to a part before it is prepared.
-enum class Spoiled : std::uint8_t { not_at_all, holes, windings, fins, open, lines };
-
-constexpr std::uint32_t kSpoils = 6;
-
-// A turned part of rows of unevenly spaced vertices, with fans as ends: needles everywhere.
-TriangleSoup turned_part(std::mt19937& random, Spoiled spoiled, std::uint32_t around,
-                         std::uint32_t rows) {
-  const auto real = [&](double least, double most) {
-    return least + (most - least) * static_cast<double>(random()) / 4294967296.0;
-  };
-  std::vector<double> angles;
-  for (std::uint32_t i = 0; i < around; ++i) {
-    angles.push_back(2 * kPi * (i + real(-0.3, 0.3)) / around);
-  }
-  TriangleSoup soup;
-  double z = 0;
-  for (std::uint32_t row = 0; row < rows; ++row, z += real(0.05, 3)) {
-    const double radius = real(0.3, 1.5);
-    for (const double angle : angles) {
-      soup.positions.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
-    }
-  }
-  soup.positions.push_back({0, 0, soup.positions.front().z});
-  soup.positions.push_back({0, 0, soup.positions[std::size_t{around} * rows - 1].z});
-  const std::uint32_t bottom = around * rows;
-  for (std::uint32_t i = 0; i < around; ++i) {
-    const std::uint32_t next = (i + 1) % around;
-    soup.faces.push_back({bottom, next, i});
-    const std::uint32_t last = around * (rows - 1);
-    soup.faces.push_back({bottom + 1, last + i, last + next});
-    for (std::uint32_t row = 0; row + 1 < rows; ++row) {
-      const std::uint32_t low = row * around;
-      const std::uint32_t high = low + around;
-      soup.faces.push_back({low + i, low + next, high + next});
-      soup.faces.push_back({low + i, high + next, high + i});
-    }
-  }
-  if (spoiled == Spoiled::open) {
-    std::erase_if(soup.faces, [&](const Triangle& face) { return face[0] == bottom; });
-  }
-  if (spoiled == Spoiled::lines) {  // faces without area, on an edge from its middle
-    for (int i = 0; i < 3; ++i) {
-      const Triangle face = soup.faces[random() % soup.faces.size()];
-      const auto middle = static_cast<std::uint32_t>(soup.positions.size());
-      const Vec3 a = soup.positions[face[0]];
-      const Vec3 b = soup.positions[face[1]];
-      soup.positions.push_back({(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2});
-      soup.faces.push_back({face[0], face[1], middle});
-    }
-  }
-  if (spoiled == Spoiled::holes) {
-    for (int i = 0; i < 3; ++i) {
-      soup.faces.erase(soup.faces.begin() +
-                       static_cast<std::ptrdiff_t>(random() % soup.faces.size()));
-    }
-  }
-  if (spoiled == Spoiled::windings) {
-    for (int i = 0; i < 5; ++i) {
-      auto& face = soup.faces[random() % soup.faces.size()];
-      std::swap(face[0], face[1]);
-    }
-  }
-  if (spoiled == Spoiled::fins) {
-    for (int i = 0; i < 3; ++i) {
-      const Triangle face = soup.faces[random() % soup.faces.size()];
-      const auto tip = static_cast<std::uint32_t>(soup.positions.size());
-      soup.positions.push_back({real(-2, 2), real(-2, 2), real(-2, 2)});
-      soup.faces.push_back({face[0], face[1], tip});
-    }
-  }
-  return soup;
-}
-
-TriangleSoup turned_part(std::mt19937& random, Spoiled spoiled) {
-  const std::uint32_t around = 24 + random() % 120;
-  const std::uint32_t rows = 2 + random() % 3;
-  return turned_part(random, spoiled, around, rows);
-}
 
 double angle_sum(const Triangulation& surface, std::uint32_t v) {
   double sum = 0;
@@ -161,39 +84,6 @@ std::size_t check_edges(const Triangulation& surface) {
 
 }  // namespace
 
-namespace {
-
-// At a vertex, inside a face or on an edge: mostly where something is done to the part. Those are
-// the last faces; and edges that are not in two faces, or between faces that are wound differently.
-SurfacePoint source_on(const Adjacency& adjacency, std::mt19937& random) {
-  std::vector<Halfedge> odd;
-  for (std::uint32_t f = 0; f < adjacency.faces().size(); ++f) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Halfedge h = halfedge(f, c);
-      const Halfedge over = adjacency.ring(h);
-      if (over == h || adjacency.ring(over) != h || adjacency.tail(over) == adjacency.tail(h)) {
-        odd.push_back(h);
-      }
-    }
-  }
-  const bool is_odd = !odd.empty() && random() % 4 != 0;
-  const Halfedge h = is_odd ? odd[random() % odd.size()]
-                            : halfedge(random() % adjacency.mesh().face_count(), random() % 3);
-  std::array<double, 3> weights{};
-  for (double& weight : weights) weight = 1 + static_cast<double>(random() % 1000);
-  switch (random() % 3) {
-    case 0:
-      return point_at_vertex(adjacency, adjacency.tail(h));
-    case 1:
-      return point_on_face(adjacency, face_of(h), weights);
-    default:
-      weights[previous_corner(corner_of(h))] = 0;
-  }
-  return point_on_face(adjacency, face_of(h), weights);
-}
-
-}  // namespace
-
 TEST_CASE("ARefinedSurfaceIsTheSameSurfaceWithFlatVerticesAdded") {
   const std::uint32_t seed = fixtures::test_seed();
   for (std::uint32_t number = 0; number < 40; ++number) {
@@ -221,7 +111,7 @@ TEST_CASE("ARefinedSurfaceIsTheSameSurfaceWithFlatVerticesAdded") {
       if (v < of_mesh) {
         REQUIRE(std::abs(sum - angle_sum(mesh, v)) < 1e-11);
       } else if (spoiled != Spoiled::fins) {  // where three faces meet in an edge it is 3 pi
-        REQUIRE(std::abs(sum - (is_on_boundary(cut, v) ? kPi : 2 * kPi)) < 1e-11);
+        REQUIRE(std::abs(sum - (is_on_boundary(cut, v) ? 1 : 2) * std::numbers::pi) < 1e-11);
       }
     }
   }
@@ -257,7 +147,7 @@ TEST_CASE("ExactDistancesOverARefinedSurfaceAreThoseOverTheMesh") {
     const Surface part(turned_part(random, static_cast<Spoiled>(number % kSpoils)));
     const Adjacency& adjacency = part.adjacency();
     if (adjacency.refined() == nullptr) continue;
-    const SurfacePoint from = source_on(adjacency, random);
+    const SurfacePoint from = drawn_point(adjacency, random);
     const std::vector<Source> sources{{from, 0}};
     const Cancel never;
     Poll poll(never);
@@ -357,7 +247,7 @@ TEST_CASE("PointsAndPathsByWindowsOfARefinedSurfaceAreExact") {
     const auto spoiled = static_cast<Spoiled>(number % kSpoils);
     const Surface part(turned_part(random, spoiled));
     const Adjacency& adjacency = part.adjacency();
-    const std::vector<Source> sources{{source_on(adjacency, random), 0}};
+    const std::vector<Source> sources{{drawn_point(adjacency, random), 0}};
     const Field automatic = part.field_by(Method::back_traced, sources, {});
     if (!automatic.kept_windows || !automatic.kept_windows->is_refined) continue;
     ++parts;
@@ -367,7 +257,7 @@ TEST_CASE("PointsAndPathsByWindowsOfARefinedSurfaceAreExact") {
     const WindowPaths ways(adjacency, automatic, poll);
     for (int k = 0; k < 10; ++k) {
       CAPTURE(k);
-      const SurfacePoint target = source_on(adjacency, random);
+      const SurfacePoint target = drawn_point(adjacency, random);
       const double d = PointArrivals(adjacency, exact).distance_at(target);
       if (d == kUnreached) continue;
       ++points;
